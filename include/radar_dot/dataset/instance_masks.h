@@ -1,0 +1,74 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "radar_dot/dataset/tables.h"
+
+namespace radar_dot::dataset {
+
+/// COCO run-length encoding of a binary mask: runs of zeros and ones in turn, column by column,
+/// starting with zeros.
+struct RunLengthMask {
+  int rows = 0;  ///< px
+  int columns = 0;
+  std::vector<std::uint32_t> counts;
+};
+
+/// Decodes COCO's compressed `counts` text. @throws std::invalid_argument when the runs are
+/// malformed or do not add up to rows x columns.
+RunLengthMask parseRunLengths(std::string_view counts, int rows, int columns);
+/// The inverse of parseRunLengths.
+std::string formatRunLengths(const RunLengthMask& mask);
+/// CV_8UC1 image, 0 or 255.
+cv::Mat decodeMask(const RunLengthMask& mask);
+/// Encodes every nonzero pixel of a CV_8UC1 image.
+RunLengthMask encodeMask(const cv::Mat& mask);
+
+/// A polygon, px: x0 y0 x1 y1 ...
+using Polygon = std::vector<double>;
+
+/// One row of nuinsseg.json.
+struct InstanceMask {
+  Token token;
+  Token sample_data_token;
+  std::string filename;
+  std::array<double, 4> bounding_box{};  ///< px: x0 y0 x1 y1
+  std::string category_name;
+  std::vector<Token> attribute_tokens;
+  Token instance_token;
+  Token visibility_token;
+  /// One or several RLEs, or polygons; their union is the mask.
+  std::variant<std::vector<RunLengthMask>, std::vector<Polygon>> mask;
+};
+
+/// Size of the canvas of polygon masks, px.
+inline constexpr int kMaskRows = 900;
+inline constexpr int kMaskColumns = 1600;
+
+/// Reads dataroot/version/nuinsseg.json (or `file` when given); the tokens join `tables.tokens`.
+/// @throws DatasetError naming file, record and field.
+std::vector<InstanceMask> readInstanceMasks(Tables& tables, const std::filesystem::path& file = {});
+
+/// True where tables/version/nuinsseg.json exists.
+bool hasInstanceMasks(const Tables& tables);
+
+/// Union of an instance's parts, CV_8UC1 0 or 255.
+cv::Mat decodeMask(const InstanceMask& instance);
+
+/// Does the instance move: an attribute "*.moving" or "cycle.with_rider".
+bool isMoving(const Tables& tables, const InstanceMask& instance);
+
+/// The paper's ground truth: union of the masks of the moving instances of one image, CV_8UC1
+/// 0 or 255, kMaskRows x kMaskColumns where no instance says otherwise.
+cv::Mat dynamicMask(const Tables& tables, const std::vector<const InstanceMask*>& instances);
+
+}  // namespace radar_dot::dataset

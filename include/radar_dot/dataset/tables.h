@@ -1,0 +1,210 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "radar_dot/dataset/token.h"
+
+namespace radar_dot::dataset {
+
+/// Anything wrong with a dataset's files. The message is one line with file, record and field, and
+/// how to mend it.
+class DatasetError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Row number in a table; kNone where the reference is empty.
+using Index = std::int32_t;
+inline constexpr Index kNone = -1;
+
+enum class Modality : std::uint8_t { kCamera, kLidar, kRadar, kOther };
+
+struct Sensor {
+  Token token;
+  std::string channel;  ///< e.g. "RADAR_FRONT"
+  Modality modality = Modality::kOther;
+};
+
+struct CalibratedSensor {
+  Token token;
+  Index sensor = kNone;
+  Eigen::Isometry3d T_base_from_sensor = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Matrix3d> camera_matrix;  ///< px; cameras only
+};
+
+struct EgoPose {
+  Token token;
+  std::int64_t timestamp_us = 0;
+  std::array<double, 3> translation{};  ///< m, base origin in the map frame
+  std::array<double, 4> rotation{};     ///< w x y z, map from base
+  Eigen::Isometry3d T_map_from_base() const;
+};
+
+struct Log {
+  Token token;
+  std::string logfile, vehicle, date_captured, location;
+};
+
+struct Scene {
+  Token token;
+  std::string name;  ///< e.g. "scene-0061"
+  std::string description;
+  Index log = kNone;
+  Index first_sample = kNone;
+  Index last_sample = kNone;
+  int sample_count = 0;
+};
+
+/// A keyframe.
+struct Sample {
+  Token token;
+  std::int64_t timestamp_us = 0;
+  Index scene = kNone;
+  Index previous = kNone;
+  Index next = kNone;
+};
+
+/// One sensor reading. `Tables::filename` gives its path.
+struct SampleData {
+  Token token;
+  std::int64_t timestamp_us = 0;
+  Index sample = kNone;
+  Index ego_pose = kNone;
+  Index calibrated_sensor = kNone;
+  Index previous = kNone;
+  Index next = kNone;
+  std::uint32_t filename_offset = 0;
+  std::uint16_t filename_length = 0;
+  std::uint16_t width = 0;   ///< px; cameras
+  std::uint16_t height = 0;  ///< px; cameras
+  bool is_key_frame = false;
+};
+
+struct Category {
+  Token token;
+  std::string name;  ///< e.g. "vehicle.car"
+};
+
+struct Attribute {
+  Token token;
+  std::string name;  ///< e.g. "vehicle.moving"
+};
+
+struct Visibility {
+  Token token;
+  std::string level;
+};
+
+struct Map {
+  Token token;
+  std::string category, filename;
+  std::vector<Index> logs;
+};
+
+struct Instance {
+  Token token;
+  Index category = kNone;
+  Index first_annotation = kNone;
+  Index last_annotation = kNone;
+  int annotation_count = 0;
+};
+
+/// An annotated box at a keyframe, map frame.
+struct SampleAnnotation {
+  Token token;
+  Index sample = kNone;
+  Index instance = kNone;
+  Index visibility = kNone;  ///< kNone where the dataset does not say
+  Index previous = kNone;
+  Index next = kNone;
+  std::array<double, 3> translation{};  ///< m, centre
+  std::array<double, 3> size{};         ///< m: width (y), length (x), height (z)
+  std::array<double, 4> rotation{};     ///< w x y z
+  std::vector<Index> attributes;
+  int lidar_points = 0;
+  int radar_points = 0;
+  Eigen::Isometry3d T_map_from_box() const;
+};
+
+/// What to read.
+struct LoadOptions {
+  std::string version = "v1.0-mini";
+  /// Scene names; empty = all. Rows of other scenes are skipped while reading, which makes loading
+  /// one scene of the full dataset cheap in memory.
+  std::vector<std::string> scenes;
+  bool annotations = true;  ///< sample_annotation and instance
+};
+
+/// The tables of a nuScenes dataroot, with every reference resolved to a row number.
+class Tables {
+ public:
+  /// Reads `dataroot/version/*.json`, streaming.
+  /// @throws DatasetError for a missing dataroot or table, malformed JSON (file and byte), a missing
+  ///         or mistyped field (file, record, field), a reference to a token that does not exist
+  ///         (file, record, field, token), or a scene name that does not exist (with the names).
+  static Tables load(const std::filesystem::path& dataroot, const LoadOptions& options = {});
+
+  const std::filesystem::path& dataroot() const noexcept { return dataroot_; }
+  const std::string& version() const noexcept { return version_; }
+
+  std::vector<Sensor> sensors;
+  std::vector<CalibratedSensor> calibrated_sensors;
+  std::vector<EgoPose> ego_poses;
+  std::vector<Log> logs;
+  std::vector<Scene> scenes;
+  std::vector<Sample> samples;
+  std::vector<SampleData> sample_data;
+  std::vector<Category> categories;
+  std::vector<Attribute> attributes;
+  std::vector<Visibility> visibilities;
+  std::vector<Map> maps;
+  std::vector<Instance> instances;
+  std::vector<SampleAnnotation> annotations;
+  TokenPool tokens;
+
+  /// Row of the scene, or kNone.
+  Index findScene(std::string_view name) const noexcept;
+  /// Keyframes of a scene in time order.
+  std::vector<Index> samplesOf(Index scene) const;
+  /// All readings of a channel in a scene, keyframes and sweeps, in time order.
+  std::vector<Index> readingsOf(Index scene, std::string_view channel) const;
+  /// Channels with at least one reading in the scene, sorted by name.
+  std::vector<std::string> channelsOf(Index scene) const;
+  /// Annotations of a keyframe.
+  std::vector<Index> annotationsOf(Index sample) const;
+  /// Ego poses used by the scene's readings, in time order, without repeated stamps.
+  std::vector<Index> egoPosesOf(Index scene) const;
+
+  const std::string& channelOf(const SampleData& reading) const;
+  /// Path relative to the dataroot.
+  std::string_view filename(const SampleData& reading) const noexcept;
+  std::filesystem::path path(const SampleData& reading) const;
+  /// Row of the reading with this token, or kNone.
+  Index findReading(Token token) const noexcept;
+
+ private:
+  friend class TableLoader;
+  void buildIndices();
+
+  std::filesystem::path dataroot_;
+  std::string version_;
+  std::string filenames_;  ///< all file names, back to back
+  std::vector<std::pair<Token, Index>> reading_by_token_;       ///< sorted
+  std::vector<std::pair<Index, Index>> readings_by_scene_;      ///< (scene, reading), sorted by scene, time
+  std::vector<std::pair<Index, Index>> annotations_by_sample_;  ///< (sample, annotation), sorted
+};
+
+}  // namespace radar_dot::dataset

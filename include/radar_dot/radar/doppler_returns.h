@@ -1,0 +1,104 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "radar_dot/radar/point_cloud.h"
+
+namespace radar_dot {
+
+/// One radar return in the frame of the sensor that measured it.
+struct DopplerReturn {
+  Eigen::Vector3f bearing = Eigen::Vector3f::UnitX();  ///< unit vector from the sensor to the return
+  float range = 0.F;                                   ///< m
+  float doppler = 0.F;      ///< range rate, m/s: positive when the range grows
+  float azimuth_std = 0.F;  ///< rad; from the sensor's own rms field when there is one, else 0
+  std::uint32_t index = 0;  ///< record in the cloud it came from
+};
+
+/// Which returns take part. A list that is empty accepts every value; a field that the cloud does
+/// not have switches its filter off.
+struct ReturnFilter {
+  double min_range = 0.5;    ///< m
+  double max_range = 250.0;  ///< m
+  /// Half-open field of view in the sensor frame, rad.
+  double min_azimuth = -std::numeric_limits<double>::infinity();
+  double max_azimuth = std::numeric_limits<double>::infinity();
+  double min_rcs = -std::numeric_limits<double>::infinity();  ///< dBsm
+  double max_rcs = std::numeric_limits<double>::infinity();   ///< dBsm
+  /// nuScenes cluster validity; 0 = valid. The other states are mostly ghosts and noise.
+  std::vector<int> invalid_states = {0};
+  /// nuScenes Doppler ambiguity; 3 = unambiguous.
+  std::vector<int> ambig_states = {3};
+  /// nuScenes false-alarm probability class; 1 = below 25 %.
+  std::vector<int> pdh0_states = {1};
+};
+
+/// How to find range, bearing and Doppler in a cloud.
+struct ExtractionParams {
+  /// Field with the range rate (m/s). Empty: the first of "doppler", "doppler_velocity",
+  /// "radial_velocity", "range_rate", "velocity" that exists, else the projection of (vx, vy).
+  std::string doppler_field;
+  /// -1 for drivers that report approaching targets as positive, and a correction of scale where
+  /// the sensor reads low: returns from above or below the antenna plane are foreshortened by the
+  /// cosine of their elevation, which a planar radar cannot see.
+  double doppler_scale = 1.0;
+  ReturnFilter filter;
+};
+
+/// Why returns were left out, counted per scan; `accepted` and all others add up to `total`.
+struct ExtractionCounts {
+  std::size_t total = 0;
+  std::size_t accepted = 0;
+  std::size_t not_finite = 0;
+  std::size_t out_of_range = 0;
+  std::size_t out_of_azimuth = 0;
+  std::size_t rcs = 0;
+  std::size_t invalid_state = 0;
+  std::size_t ambig_state = 0;
+  std::size_t pdh0 = 0;
+};
+
+/// Reads Doppler returns out of clouds by field name; resolves the names once per layout, so that a
+/// stream of equal clouds costs no look-ups and no allocation.
+///
+/// From a cloud with (vx, vy) the range rate is (x vx + y vy) / hypot(x, y): in nuScenes (vx, vy)
+/// is not radial, so its norm is not the Doppler velocity. Compensated fields (vx_comp, vy_comp)
+/// are never used: they hold the vehicle's own odometry.
+class DopplerExtractor {
+ public:
+  explicit DopplerExtractor(ExtractionParams params = {});
+
+  /// Replaces `returns` by the accepted returns of `cloud`. A cloud without z is planar.
+  /// @throws std::invalid_argument naming the missing field and the fields at hand.
+  ExtractionCounts extract(const PointCloudView& cloud, std::vector<DopplerReturn>& returns);
+
+  const ExtractionParams& params() const noexcept { return params_; }
+
+ private:
+  struct Column {
+    std::ptrdiff_t offset = -1;  ///< -1: not in the cloud
+    ScalarType type = ScalarType::kFloat32;
+    bool present() const noexcept { return offset >= 0; }
+    double read(const std::uint8_t* point) const noexcept { return readScalar(point + offset, type); }
+  };
+  struct Layout {
+    std::vector<PointField> fields;
+    Column x, y, z, vx, vy, doppler, rcs, invalid_state, ambig_state, pdh0, y_rms;
+    bool resolved = false;
+  };
+  void resolve(const PointCloudView& cloud);
+
+  ExtractionParams params_;
+  Layout layout_;
+  std::array<bool, 256> invalid_allowed_{}, ambig_allowed_{}, pdh0_allowed_{};
+};
+
+}  // namespace radar_dot
