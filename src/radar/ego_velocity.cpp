@@ -1,0 +1,378 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/radar/ego_velocity.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <stdexcept>
+
+#include "constraint_system.h"
+#include "segmentation.h"
+
+namespace radar_dot {
+namespace {
+
+/// Where the parameters of each model stand in vx vy vz wx wy wz.
+struct ModelAxes {
+  int count;
+  std::array<int, 3> axes;
+};
+
+ModelAxes axesOf(MotionModel model) noexcept {
+  switch (model) {
+    case MotionModel::kPlanar: return {2, {0, 1, 0}};
+    case MotionModel::kPlanarYaw: return {3, {0, 1, 5}};
+    case MotionModel::kAckermann: return {2, {0, 5, 0}};
+    case MotionModel::kSpatial: return {3, {0, 1, 2}};
+  }
+  return {2, {0, 1, 0}};
+}
+
+void requireParameter(bool condition, const char* message) {
+  if (!condition) throw std::invalid_argument(message);
+}
+
+void validate(const EgoVelocityParams& p) {
+  requireParameter(p.ransac_iterations >= 1, "ransac_iterations must be at least 1");
+  requireParameter(p.inlier_threshold > 0.0, "inlier_threshold must be positive (m/s)");
+  requireParameter(p.robust_iterations >= 1, "robust_iterations must be at least 1");
+  requireParameter(p.doppler_std > 0.0, "doppler_std must be positive (m/s)");
+  requireParameter(p.azimuth_std >= 0.0, "azimuth_std must not be negative (rad)");
+  requireParameter(p.min_returns >= 3, "min_returns must be at least 3");
+  requireParameter(p.min_inlier_share >= 0.0 && p.min_inlier_share <= 1.0, "min_inlier_share must lie in 0..1");
+  requireParameter(p.max_condition_number > 1.0, "max_condition_number must be above 1");
+  requireParameter(p.unobserved_variance > 0.0, "unobserved_variance must be positive");
+  const SegmentationParams& s = p.segmentation;
+  requireParameter(s.threshold > 0.0, "segmentation threshold must be positive (m/s)");
+  requireParameter(s.isolated_threshold > 0.0 && s.supported_threshold > 0.0,
+                   "isolated_threshold and supported_threshold must be positive (m/s)");
+  requireParameter(s.neighbour_distance >= 0.0 && s.neighbour_velocity >= 0.0,
+                   "neighbour_distance and neighbour_velocity must not be negative");
+}
+
+}  // namespace
+
+std::string_view toString(Solver solver) noexcept {
+  switch (solver) {
+    case Solver::kLeastSquares: return "least_squares";
+    case Solver::kRansac: return "ransac";
+    case Solver::kRansacRobust: return "ransac_robust";
+  }
+  return "unknown";
+}
+
+Solver solverFromString(std::string_view name) {
+  for (const Solver solver : {Solver::kLeastSquares, Solver::kRansac, Solver::kRansacRobust}) {
+    if (name == toString(solver)) return solver;
+  }
+  throw std::invalid_argument("solver '" + std::string(name) +
+                              "' is not one of least_squares, ransac, ransac_robust");
+}
+
+std::string_view toString(EstimateStatus status) noexcept {
+  switch (status) {
+    case EstimateStatus::kOk: return "ok";
+    case EstimateStatus::kTooFewReturns: return "too few returns";
+    case EstimateStatus::kDegenerateBearings: return "degenerate bearings";
+    case EstimateStatus::kNoConsensus: return "no consensus";
+  }
+  return "unknown";
+}
+
+/// The stages of one estimate, and the memory they keep.
+struct EgoVelocityEstimator::Workspace {
+  struct Row {
+    Eigen::Vector3f bearing;   ///< base frame
+    Eigen::Vector3f mount;     ///< base frame, m
+    Eigen::Vector2f position;  ///< of the return, base frame at the scan's time, m
+    float delay;               ///< s, reference time - scan time
+    float right_hand_side;     ///< -d at the reference time, m/s
+    bool known_dynamic;
+  };
+
+  std::vector<Row> rows;
+  ConstraintSystem all;              ///< every accepted return, the model's own parameters
+  ConstraintSystem active;           ///< returns that may be static, reduced to the observed directions
+  ConstraintSystem pass;             ///< scratch: a subset of rows of one of the above
+  std::vector<std::size_t> indices;  ///< rows of `active` in `all`
+  std::vector<std::size_t> subset;
+  std::vector<float> residuals;
+  std::vector<Eigen::Vector2f> positions;
+  std::vector<std::size_t> candidates;
+  EgoVelocityResult result;
+
+  void stack(const EgoVelocityParams& params, const std::vector<RadarScan>& scans, double reference_time,
+             const Eigen::Vector3d& acceleration);
+  void setSigma(const EgoVelocityParams& params, const Parameters& solution);
+  bool solvePass(const EgoVelocityParams& params, const ConstraintSystem& system, bool consensus,
+                 Parameters& solution);
+  EstimateStatus solve(const EgoVelocityParams& params, Observability& observability, Parameters& reduced);
+  void finish(const EgoVelocityParams& params, const Observability& observability, const Parameters& reduced);
+  void label(const EgoVelocityParams& params);
+  void refuse(const EgoVelocityParams& params, EstimateStatus status);
+
+  static void gather(const ConstraintSystem& from, const std::vector<std::size_t>& which, ConstraintSystem& to);
+  static double inlierThreshold(const EgoVelocityParams& params) {
+    return params.solver == Solver::kLeastSquares ? params.segmentation.threshold : params.inlier_threshold;
+  }
+};
+
+void EgoVelocityEstimator::Workspace::gather(const ConstraintSystem& from, const std::vector<std::size_t>& which,
+                                             ConstraintSystem& to) {
+  to.resize(from.parameters, which.size());
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(from.parameters); ++k) {
+      to.columns[k][i] = from.columns[k][which[i]];
+    }
+    to.right_hand_side[i] = from.right_hand_side[which[i]];
+    to.sigma[i] = from.sigma[which[i]];
+  }
+}
+
+void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params, const std::vector<RadarScan>& scans,
+                                            double reference_time, const Eigen::Vector3d& acceleration) {
+  rows.clear();
+  result.offsets.clear();
+  for (const RadarScan& scan : scans) {
+    result.offsets.push_back(rows.size());
+    if (scan.returns == nullptr) continue;
+    const Eigen::Matrix3f R_base_from_sensor = scan.T_base_from_sensor.linear().cast<float>();
+    const Eigen::Vector3f mount = scan.T_base_from_sensor.translation().cast<float>();
+    const auto delay = static_cast<float>(reference_time - scan.time);
+    const Eigen::Vector3f velocity_change = (acceleration * (reference_time - scan.time)).cast<float>();
+    for (std::size_t i = 0; i < scan.returns->size(); ++i) {
+      const DopplerReturn& measured = (*scan.returns)[i];
+      Row row;
+      row.bearing = R_base_from_sensor * measured.bearing;
+      row.mount = mount;
+      row.position = (mount + measured.range * row.bearing).head<2>();
+      row.delay = delay;
+      // v at the scan = v at the reference time - a (t_ref - t).
+      row.right_hand_side = -measured.doppler + row.bearing.dot(velocity_change);
+      row.known_dynamic = scan.known_dynamic != nullptr && i < scan.known_dynamic->size() &&
+                          (*scan.known_dynamic)[i] != 0;
+      rows.push_back(row);
+    }
+  }
+  result.offsets.push_back(rows.size());
+
+  const ModelAxes model = axesOf(params.model);
+  all.resize(model.count, rows.size());
+  indices.clear();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Eigen::Vector3f& u = rows[i].bearing;
+    for (int k = 0; k < model.count; ++k) {
+      const int axis = model.axes[static_cast<std::size_t>(k)];
+      all.columns[static_cast<std::size_t>(k)][i] =
+          axis < 3 ? u[axis] : u.y() * rows[i].mount.x() - u.x() * rows[i].mount.y();  // (t x u)_z
+    }
+    all.right_hand_side[i] = rows[i].right_hand_side;
+    all.sigma[i] = static_cast<float>(params.doppler_std);
+    if (!rows[i].known_dynamic) indices.push_back(i);
+  }
+}
+
+/// A bearing that is off by delta shifts the Doppler by delta times the speed across the line of sight.
+void EgoVelocityEstimator::Workspace::setSigma(const EgoVelocityParams& params, const Parameters& solution) {
+  const ModelAxes model = axesOf(params.model);
+  Eigen::Vector3f linear = Eigen::Vector3f::Zero();
+  float yaw_rate = 0.F;
+  for (int k = 0; k < model.count; ++k) {
+    const int axis = model.axes[static_cast<std::size_t>(k)];
+    (axis < 3 ? linear[axis] : yaw_rate) = static_cast<float>(solution[k]);
+  }
+  const auto doppler_variance = static_cast<float>(params.doppler_std * params.doppler_std);
+  const auto azimuth_variance = static_cast<float>(params.azimuth_std * params.azimuth_std);
+  for (std::size_t j = 0; j < indices.size(); ++j) {
+    const Row& row = rows[indices[j]];
+    const Eigen::Vector3f sensor_velocity =
+        linear + Eigen::Vector3f(-yaw_rate * row.mount.y(), yaw_rate * row.mount.x(), 0.F);
+    const float along = row.bearing.dot(sensor_velocity);
+    const float across_squared = std::max(0.F, sensor_velocity.squaredNorm() - along * along);
+    active.sigma[j] = std::sqrt(doppler_variance + azimuth_variance * across_squared);
+  }
+}
+
+bool EgoVelocityEstimator::Workspace::solvePass(const EgoVelocityParams& params, const ConstraintSystem& system,
+                                                bool consensus, Parameters& solution) {
+  if (params.solver == Solver::kLeastSquares) return solveLeastSquares(system, solution);
+  if (consensus) {
+    const RansacParams ransac{params.seed, params.ransac_iterations, params.inlier_threshold};
+    if (!solveRansac(system, ransac, solution, residuals)) return false;
+    evaluateResiduals(system, solution, residuals);
+    return solveInliers(system, residuals, params.inlier_threshold, solution);
+  }
+  return refineRobust(system, params.robust_iterations, solution, residuals);
+}
+
+EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& params, Observability& observability,
+                                                      Parameters& reduced) {
+  result.return_count = indices.size();
+  if (indices.size() < static_cast<std::size_t>(params.min_returns)) return EstimateStatus::kTooFewReturns;
+
+  gather(all, indices, pass);
+  observability = analyseObservability(pass, params.max_condition_number);
+  result.condition_number = observability.condition_number;
+  const bool only_forward = params.model == MotionModel::kAckermann && observability.rank == 1 &&
+                            std::abs(observability.basis(0, 0)) > 0.999;
+  if (observability.rank < 2 && !only_forward) return EstimateStatus::kDegenerateBearings;
+  if (observability.rank < all.parameters) {
+    projectSystem(pass, observability, active);
+  } else {
+    std::swap(active, pass);
+  }
+  const auto fullSolution = [&] {
+    return Parameters(observability.basis.leftCols(active.parameters) * reduced.head(active.parameters));
+  };
+
+  const bool robust = params.solver == Solver::kRansacRobust;
+  if (!solvePass(params, active, true, reduced)) return EstimateStatus::kNoConsensus;
+  setSigma(params, fullSolution());
+  if (robust && !solvePass(params, active, false, reduced)) return EstimateStatus::kNoConsensus;
+  if (!params.two_pass) return EstimateStatus::kOk;
+
+  // The paper's second pass: only returns whose residual lies below tau.
+  evaluateResiduals(active, reduced, residuals);
+  const auto tau = static_cast<float>(params.segmentation.threshold);
+  subset.clear();
+  for (std::size_t i = 0; i < active.rows; ++i) {
+    if (std::abs(residuals[i]) < tau) subset.push_back(i);
+  }
+  if (subset.size() < static_cast<std::size_t>(params.min_returns)) return EstimateStatus::kNoConsensus;
+  if (subset.size() == active.rows && params.solver != Solver::kRansac) return EstimateStatus::kOk;
+  gather(active, subset, pass);
+  return solvePass(params, pass, !robust, reduced) ? EstimateStatus::kOk : EstimateStatus::kDegenerateBearings;
+}
+
+void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params, const Observability& observability,
+                                             const Parameters& reduced) {
+  const int rank = active.parameters;
+  const ModelAxes model = axesOf(params.model);
+  evaluateResiduals(active, reduced, residuals);
+  double sum = 0.0;
+  double chi_squared = 0.0;
+  const double threshold = inlierThreshold(params);
+  for (std::size_t i = 0; i < active.rows; ++i) {
+    const double e = static_cast<double>(residuals[i]);
+    if (std::abs(e) >= threshold) continue;
+    ++result.inlier_count;
+    sum += e * e;
+    chi_squared += e * e / static_cast<double>(active.sigma[i] * active.sigma[i]);
+  }
+  if (result.inlier_count > 0) result.rms = std::sqrt(sum / static_cast<double>(result.inlier_count));
+
+  // Covariance of weighted least squares, widened where the residuals are larger than the noise model.
+  const NormalEquations normal = inlierInformation(active, residuals, threshold);
+  Eigen::Matrix3d reduced_covariance = Eigen::Matrix3d::Zero();
+  const double freedom = static_cast<double>(result.inlier_count) - rank;
+  const double widening = freedom > 0.0 ? std::max(1.0, chi_squared / freedom) : 1.0;
+  for (int k = rank; k < 3; ++k) reduced_covariance(k, k) = params.unobserved_variance;
+  reduced_covariance.topLeftCorner(rank, rank) =
+      widening * normal.information.topLeftCorner(rank, rank)
+                     .ldlt()
+                     .solve(Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>::Identity(rank, rank));
+  const Eigen::Matrix3d& basis = observability.basis;
+  const Parameters solution = basis.leftCols(rank) * reduced.head(rank);
+  const Eigen::Matrix3d covariance = basis * reduced_covariance * basis.transpose();
+
+  result.covariance = Eigen::Matrix<double, 6, 6>::Identity() * params.unobserved_variance;
+  result.fully_observed = rank == model.count;
+  for (int i = 0; i < model.count; ++i) {
+    const int row_axis = model.axes[static_cast<std::size_t>(i)];
+    (row_axis < 3 ? result.linear[row_axis] : result.angular[row_axis - 3]) = solution[i];
+    const double free_share = basis.row(i).segment(rank, model.count - rank).squaredNorm();
+    result.observed[static_cast<std::size_t>(row_axis)] = free_share < 1e-9;
+    for (int j = 0; j < model.count; ++j) {
+      result.covariance(row_axis, model.axes[static_cast<std::size_t>(j)]) = covariance(i, j);
+    }
+  }
+
+  if (!solution.allFinite() || !result.covariance.allFinite()) {
+    result.status = EstimateStatus::kDegenerateBearings;
+  } else if (result.inlier_count < static_cast<std::size_t>(params.min_returns) ||
+             static_cast<double>(result.inlier_count) <
+                 params.min_inlier_share * static_cast<double>(result.return_count)) {
+    result.status = EstimateStatus::kNoConsensus;
+  } else {
+    evaluateResiduals(all, solution, result.residuals);
+  }
+}
+
+void EgoVelocityEstimator::Workspace::label(const EgoVelocityParams& params) {
+  // Where a static return stands at the reference time: it moves by -(v + w x p) in the base frame.
+  positions.resize(rows.size());
+  const Eigen::Vector2f v = result.linear.head<2>().cast<float>();
+  const auto w = static_cast<float>(result.angular.z());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Eigen::Vector2f& p = rows[i].position;
+    positions[i] = p - rows[i].delay * (v + w * Eigen::Vector2f(-p.y(), p.x()));
+  }
+  segmentReturns(params.segmentation, result.residuals, positions, candidates, result.labels);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].known_dynamic) result.labels[i] = ReturnLabel::kDynamic;
+    if (result.labels[i] == ReturnLabel::kDynamic) ++result.dynamic_count;
+  }
+}
+
+void EgoVelocityEstimator::Workspace::refuse(const EgoVelocityParams& params, EstimateStatus status) {
+  result.status = status;
+  switch (status) {
+    case EstimateStatus::kOk: return;
+    case EstimateStatus::kTooFewReturns:
+      result.reason = fmt::format("{} accepted returns, {} needed", result.return_count, params.min_returns);
+      break;
+    case EstimateStatus::kDegenerateBearings:
+      result.reason = fmt::format("the bearings of {} returns do not constrain the {} model", result.return_count,
+                                  std::string(toString(params.model)));
+      break;
+    case EstimateStatus::kNoConsensus:
+      result.reason = fmt::format("only {} of {} returns agree on one velocity within {:.2f} m/s",
+                                  result.inlier_count, result.return_count, inlierThreshold(params));
+      break;
+  }
+  result.linear.setZero();
+  result.angular.setZero();
+  result.covariance = Eigen::Matrix<double, 6, 6>::Identity() * params.unobserved_variance;
+  result.observed.fill(false);
+  result.fully_observed = false;
+  result.residuals.clear();
+  result.labels.clear();
+}
+
+EgoVelocityEstimator::EgoVelocityEstimator(EgoVelocityParams params)
+    : params_(std::move(params)), workspace_(std::make_unique<Workspace>()) {
+  validate(params_);
+}
+EgoVelocityEstimator::~EgoVelocityEstimator() = default;
+EgoVelocityEstimator::EgoVelocityEstimator(EgoVelocityEstimator&&) noexcept = default;
+EgoVelocityEstimator& EgoVelocityEstimator::operator=(EgoVelocityEstimator&&) noexcept = default;
+
+const EgoVelocityResult& EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans, double reference_time,
+                                                        const Eigen::Vector3d& acceleration) {
+  Workspace& w = *workspace_;
+  EgoVelocityResult& result = w.result;
+  result.status = EstimateStatus::kOk;
+  result.reason.clear();
+  result.linear.setZero();
+  result.angular.setZero();
+  result.observed.fill(false);
+  result.fully_observed = false;
+  result.condition_number = result.rms = 0.0;
+  result.return_count = result.inlier_count = result.dynamic_count = 0;
+
+  w.stack(params_, scans, reference_time, acceleration);
+  Observability observability;
+  Parameters reduced = Parameters::Zero();
+  result.status = w.solve(params_, observability, reduced);
+  if (result.valid()) w.finish(params_, observability, reduced);
+  if (result.valid()) {
+    w.label(params_);
+  } else {
+    w.refuse(params_, result.status);
+  }
+  return result;
+}
+
+}  // namespace radar_dot

@@ -18,9 +18,8 @@ namespace radar_dot {
 struct DopplerReturn {
   Eigen::Vector3f bearing = Eigen::Vector3f::UnitX();  ///< unit vector from the sensor to the return
   float range = 0.F;                                   ///< m
-  float doppler = 0.F;      ///< range rate, m/s: positive when the range grows
-  float azimuth_std = 0.F;  ///< rad; from the sensor's own rms field when there is one, else 0
-  std::uint32_t index = 0;  ///< record in the cloud it came from
+  float doppler = 0.F;                                 ///< range rate, m/s: positive when the range grows
+  std::uint32_t index = 0;                             ///< record in the cloud it came from
 };
 
 /// Which returns take part. A list that is empty accepts every value; a field that the cloud does
@@ -91,7 +90,7 @@ class DopplerExtractor {
   };
   struct Layout {
     std::vector<PointField> fields;
-    Column x, y, z, vx, vy, doppler, rcs, invalid_state, ambig_state, pdh0, y_rms;
+    Column x, y, z, vx, vy, doppler, rcs, invalid_state, ambig_state, pdh0;
     bool resolved = false;
   };
   void resolve(const PointCloudView& cloud);
