@@ -1,0 +1,270 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/evaluation/ego_velocity_evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "radar_dot/radar/odometry.h"
+#include "radar_scene.h"
+
+namespace radar_dot::evaluation {
+namespace {
+
+using dataset::Index;
+
+constexpr double kReportedRange = 70.0;  // m; movers beyond are hardly annotated
+
+/// A velocity of the trajectory pass.
+struct StampedVelocity {
+  double time = 0.0;
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
+/// The scan of a radar nearest to `time`, or nothing beyond `reach` seconds.
+std::optional<std::size_t> nearestScan(const LoadedRadar& radar, double time, double reach) {
+  const auto& scans = radar.scans;
+  if (scans.empty()) return std::nullopt;
+  auto best = std::lower_bound(scans.begin(), scans.end(), time,
+                               [](const LoadedScan& scan, double t) { return scan.time < t; });
+  if (best == scans.end() || (best != scans.begin() && time - std::prev(best)->time < best->time - time)) --best;
+  if (std::abs(best->time - time) > reach) return std::nullopt;
+  return static_cast<std::size_t>(best - scans.begin());
+}
+
+EgoVelocityParams variantParams(EgoVelocityParams params, const std::string& variant) {
+  params.model = MotionModel::kPlanar;
+  if (variant != "robust") {
+    params.solver = variant[1] == '1' ? Solver::kLeastSquares : Solver::kRansac;
+    params.two_pass = variant[0] == 'A';
+  }
+  return params;
+}
+
+/// Wheel speed at `time` and its mean over an interval, m/s.
+class WheelSpeed {
+ public:
+  explicit WheelSpeed(const std::vector<dataset::CanVehicleInfo>& wheels) : wheels_(wheels) {}
+  std::optional<double> at(double time) const {
+    const auto stamp = static_cast<std::int64_t>(std::llround(time * 1e6));
+    const auto after = std::lower_bound(wheels_.begin(), wheels_.end(), stamp,
+                                        [](const auto& info, std::int64_t t) { return info.timestamp_us < t; });
+    if (after == wheels_.begin() || after == wheels_.end()) return std::nullopt;
+    const auto before = std::prev(after);
+    const double share = static_cast<double>(stamp - before->timestamp_us) /
+                         static_cast<double>(after->timestamp_us - before->timestamp_us);
+    return (1.0 - share) * dataset::rearAxleSpeed(*before) + share * dataset::rearAxleSpeed(*after);
+  }
+  std::optional<double> mean(double begin, double end) const {
+    constexpr int kSteps = 50;
+    double sum = 0.0;
+    for (int i = 0; i <= kSteps; ++i) {
+      const std::optional<double> speed = at(begin + (end - begin) * i / kSteps);
+      if (!speed) return std::nullopt;
+      sum += *speed / (kSteps + 1);
+    }
+    return sum;
+  }
+
+ private:
+  const std::vector<dataset::CanVehicleInfo>& wheels_;
+};
+
+/// Estimates every sweep of the scene, as the nodelet would: one sweep per scan of the radar with
+/// the most scans, with the latest scan of each other radar within the window.
+std::vector<StampedVelocity> estimateSweeps(const RadarScene& scene, const VelocityEvaluationOptions& options,
+                                            VelocityReport& report) {
+  std::vector<StampedVelocity> velocities;
+  EgoVelocityEstimator estimator(options.estimator);
+  AccelerationTracker tracker;
+  const auto leader = std::max_element(scene.radars.begin(), scene.radars.end(), [](const auto& a, const auto& b) {
+    return a.scans.size() < b.scans.size();
+  });
+  for (const LoadedScan& trigger : leader->scans) {
+    std::vector<RadarScan> scans;
+    for (const LoadedRadar& radar : scene.radars) {
+      auto after = std::upper_bound(radar.scans.begin(), radar.scans.end(), trigger.time,
+                                    [](double t, const LoadedScan& scan) { return t < scan.time; });
+      if (after == radar.scans.begin() || trigger.time - std::prev(after)->time > options.window) continue;
+      scans.push_back(radar.scan(static_cast<std::size_t>(std::prev(after) - radar.scans.begin())));
+    }
+    ++report.sweeps;
+    const EgoVelocityResult& result =
+        estimator.estimate(scans, trigger.time, tracker.acceleration(trigger.time));
+    if (!result.valid()) {
+      ++report.sweeps_refused;
+      continue;
+    }
+    tracker.add(trigger.time, result.linear);
+    velocities.push_back({trigger.time, result.linear, result.angular, result.covariance});
+  }
+  return velocities;
+}
+
+/// Acceleration from the velocities up to `time`.
+Eigen::Vector3d accelerationAt(const std::vector<StampedVelocity>& velocities, double time) {
+  AccelerationTracker tracker;
+  for (const StampedVelocity& velocity : velocities) {
+    if (velocity.time > time) break;
+    if (time - velocity.time < 1.0) tracker.add(velocity.time, velocity.linear);
+  }
+  return tracker.acceleration(time);
+}
+
+void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& options,
+                   const std::vector<StampedVelocity>& velocities, VelocityReport& report) {
+  std::map<std::string, EgoVelocityEstimator> variants;
+  for (const char* variant : kVariants) {
+    variants.emplace(variant, EgoVelocityEstimator(variantParams(options.estimator, variant)));
+  }
+  std::map<MotionModel, EgoVelocityEstimator> models;
+  for (const MotionModel model : {MotionModel::kPlanar, MotionModel::kPlanarYaw, MotionModel::kAckermann,
+                                  MotionModel::kSpatial}) {
+    EgoVelocityParams params = options.estimator;
+    params.model = model;
+    models.emplace(model, EgoVelocityEstimator(params));
+  }
+  const WheelSpeed wheels(scene.wheels);
+
+  for (std::size_t pair = 0; pair + 1 < scene.keyframe_times.size(); ++pair) {
+    const double t0 = scene.keyframe_times[pair];
+    const double t1 = scene.keyframe_times[pair + 1];
+    const double middle = 0.5 * (t0 + t1);
+    std::vector<RadarScan> scans;
+    for (const LoadedRadar& radar : scene.radars) {
+      const auto nearest = nearestScan(radar, middle, 0.5 * (t1 - t0));
+      if (nearest) scans.push_back(radar.scan(*nearest));
+    }
+    const Eigen::Vector3d acceleration = accelerationAt(velocities, middle);
+    const Eigen::Vector3d truth = scene.truth.meanVelocity(t0, t1);
+    const double true_yaw_rate = scene.truth.meanYawRate(t0, t1);
+
+    ++report.frames;
+    for (auto& [name, estimator] : variants) {
+      const EgoVelocityResult& result = estimator.estimate(scans, middle, acceleration);
+      if (result.valid()) report.mae[name].add((result.linear - truth).head<2>().norm());
+    }
+    for (auto& [model, estimator] : models) {
+      const EgoVelocityResult& result = estimator.estimate(scans, middle, acceleration);
+      const bool in_use = model == options.estimator.model;
+      if (!result.valid()) {
+        if (in_use) {
+          ++report.refused;
+          ++report.refusals[std::string(toString(result.status))];
+        }
+        continue;
+      }
+      ModelErrors& errors = report.models[std::string(toString(model))];
+      errors.vx.add(std::abs(result.linear.x() - truth.x()));
+      errors.vy.add(std::abs(result.linear.y() - truth.y()));
+      if (result.observed[5]) errors.yaw_rate.add(std::abs(result.angular.z() - true_yaw_rate));
+      if (model == MotionModel::kPlanarYaw) {
+        const auto now = wheels.at(middle);
+        const auto mean = wheels.mean(t0, t1);
+        if (now && mean) {
+          report.wheel_estimate.add(std::abs(result.linear.x() - *now));
+          report.wheel_ground_truth.add(std::abs(truth.x() - *mean));
+        }
+      }
+    }
+  }
+}
+
+void evaluateTrajectory(const RadarScene& scene, const std::vector<StampedVelocity>& velocities,
+                        VelocityReport& report) {
+  for (const bool with_heading : {true, false}) {
+    VelocityIntegrator integrator;
+    std::vector<StampedPose> path;
+    for (const StampedVelocity& velocity : velocities) {
+      if (!scene.truth.covers(velocity.time)) continue;
+      const Eigen::Isometry3d truth = scene.truth.at(velocity.time);
+      if (path.empty()) integrator.reset(truth);
+      std::optional<Eigen::Quaterniond> heading;
+      if (with_heading) heading = Eigen::Quaterniond(truth.linear());
+      integrator.add(velocity.time, velocity.linear, velocity.angular, velocity.covariance, heading);
+      path.push_back({velocity.time, integrator.state().T_odom_from_base});
+    }
+    (with_heading ? report.gt_heading : report.own_heading) += compareTrajectory(path, scene.truth);
+  }
+}
+
+void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene, const VelocityEvaluationOptions& options,
+                    const std::vector<StampedVelocity>& velocities, VelocityReport& report) {
+  EgoVelocityEstimator estimator(options.estimator);
+  for (std::size_t k = 0; k < scene.keyframe_samples.size(); ++k) {
+    const Index sample = scene.keyframe_samples[k];
+    std::vector<RadarScan> scans;
+    for (const LoadedRadar& radar : scene.radars) {
+      for (std::size_t i = 0; i < radar.scans.size(); ++i) {
+        if (radar.scans[i].sample == sample && radar.scans[i].is_key_frame) scans.push_back(radar.scan(i));
+      }
+    }
+    const double time = scene.keyframe_times[k];
+    const EgoVelocityResult& result = estimator.estimate(scans, time, accelerationAt(velocities, time));
+    if (!result.valid()) continue;
+    const std::vector<MovingBox> boxes = boxesAt(tables, sample);
+    for (std::size_t s = 0; s < scans.size(); ++s) {
+      const Eigen::Isometry3d T_map_from_base = scene.truth.at(scans[s].time);
+      const Eigen::Vector3d sensor = T_map_from_base * scans[s].T_base_from_sensor.translation();
+      for (std::size_t i = 0; i < scans[s].returns->size(); ++i) {
+        const DopplerReturn& measured = (*scans[s].returns)[i];
+        const Eigen::Vector3d in_base =
+            scans[s].T_base_from_sensor * (static_cast<double>(measured.range) * measured.bearing.cast<double>());
+        const TrueLabel label = trueLabel(boxes, T_map_from_base * in_base, sensor, scans[s].time, options.labels);
+        if (label == TrueLabel::kIgnored) continue;
+        const bool predicted = result.labels[result.offsets[s] + i] == ReturnLabel::kDynamic;
+        const bool actual = label == TrueLabel::kDynamic;
+        report.dynamic.add(predicted, actual);
+        if (in_base.head<2>().norm() < kReportedRange) report.dynamic_70m.add(predicted, actual);
+      }
+    }
+  }
+}
+
+template <typename Value>
+void merge(std::map<std::string, Value>& into, const std::map<std::string, Value>& from) {
+  for (const auto& [key, value] : from) into[key] += value;
+}
+
+}  // namespace
+
+ModelErrors& ModelErrors::operator+=(const ModelErrors& other) {
+  vx += other.vx;
+  vy += other.vy;
+  yaw_rate += other.yaw_rate;
+  return *this;
+}
+
+VelocityReport& VelocityReport::operator+=(const VelocityReport& other) {
+  frames += other.frames;
+  refused += other.refused;
+  merge(refusals, other.refusals);
+  merge(mae, other.mae);
+  merge(models, other.models);
+  wheel_estimate += other.wheel_estimate;
+  wheel_ground_truth += other.wheel_ground_truth;
+  sweeps += other.sweeps;
+  sweeps_refused += other.sweeps_refused;
+  gt_heading += other.gt_heading;
+  own_heading += other.own_heading;
+  dynamic += other.dynamic;
+  dynamic_70m += other.dynamic_70m;
+  return *this;
+}
+
+VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
+                                   const VelocityEvaluationOptions& options) {
+  VelocityReport report;
+  report.scene = tables.scenes[static_cast<std::size_t>(scene)].name;
+  const RadarScene loaded = loadRadarScene(tables, scene, options.channels, options.extraction);
+  const std::vector<StampedVelocity> velocities = estimateSweeps(loaded, options, report);
+  evaluatePairs(loaded, options, velocities, report);
+  evaluateTrajectory(loaded, velocities, report);
+  evaluateLabels(tables, loaded, options, velocities, report);
+  return report;
+}
+
+}  // namespace radar_dot::evaluation

@@ -1,0 +1,259 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/evaluation/report.h"
+
+#include <fmt/format.h>
+#include <rapidjson/prettywriter.h>
+#include <rapidjson/stringbuffer.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <stdexcept>
+#include <utility>
+
+namespace radar_dot::evaluation {
+namespace {
+
+using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
+
+Mean meanOf(const VelocityReport& report, const char* variant) {
+  const auto found = report.mae.find(variant);
+  return found == report.mae.end() ? Mean{} : found->second;
+}
+
+ModelErrors errorsOf(const VelocityReport& report, const char* model) {
+  const auto found = report.models.find(model);
+  return found == report.models.end() ? ModelErrors{} : found->second;
+}
+
+/// A figure, or a dash where there is none.
+std::string figure(double value, int decimals = 3) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
+void number(Writer& writer, const char* key, double value) {
+  writer.Key(key);
+  if (std::isfinite(value)) {
+    writer.Double(value);
+  } else {
+    writer.Null();
+  }
+}
+
+void count(Writer& writer, const char* key, std::size_t value) {
+  writer.Key(key);
+  writer.Uint64(value);
+}
+
+void writeTrajectory(Writer& writer, const char* key, const TrajectoryError& error) {
+  writer.Key(key);
+  writer.StartObject();
+  number(writer, "ate_rmse", error.rootMeanSquare());
+  number(writer, "drift_percent", error.driftPercent());
+  number(writer, "distance", error.distance);
+  writer.EndObject();
+}
+
+void writeReport(Writer& writer, const VelocityReport& report, bool overall) {
+  writer.StartObject();
+  if (!overall) {
+    writer.Key("scene");
+    writer.String(report.scene.c_str());
+  }
+  count(writer, "frames", report.frames);
+  count(writer, "refused", report.refused);
+  writer.Key("refusals");
+  writer.StartObject();
+  for (const auto& [reason, times] : report.refusals) count(writer, reason.c_str(), times);
+  writer.EndObject();
+  writer.Key("mae");
+  writer.StartObject();
+  for (const char* variant : kVariants) number(writer, variant, meanOf(report, variant).value());
+  writer.EndObject();
+  writer.Key("models");
+  writer.StartObject();
+  for (const auto& [model, errors] : report.models) {
+    writer.Key(model.c_str());
+    writer.StartObject();
+    number(writer, "vx_mae", errors.vx.value());
+    number(writer, "vy_mae", errors.vy.value());
+    number(writer, "yaw_rate_mae", errors.yaw_rate.value());
+    writer.EndObject();
+  }
+  writer.EndObject();
+  writer.Key("wheel_speed");
+  writer.StartObject();
+  number(writer, "vx_mae", report.wheel_estimate.value());
+  number(writer, "ground_truth_vx_mae", report.wheel_ground_truth.value());
+  writer.EndObject();
+  count(writer, "sweeps", report.sweeps);
+  count(writer, "sweeps_refused", report.sweeps_refused);
+  writer.Key("trajectory");
+  writer.StartObject();
+  writeTrajectory(writer, "gt_heading", report.gt_heading);
+  writeTrajectory(writer, "own_heading", report.own_heading);
+  writer.EndObject();
+  writer.Key("dynamic");
+  writer.StartObject();
+  number(writer, "precision", report.dynamic.precision());
+  number(writer, "recall", report.dynamic.recall());
+  number(writer, "f1", report.dynamic.f1());
+  number(writer, "precision_70m", report.dynamic_70m.precision());
+  number(writer, "recall_70m", report.dynamic_70m.recall());
+  number(writer, "f1_70m", report.dynamic_70m.f1());
+  writer.EndObject();
+  writer.EndObject();
+}
+
+/// One column of a table or CSV file.
+struct Column {
+  std::string title;
+  std::function<std::string(const VelocityReport&)> text;
+};
+
+std::vector<Column> estimatorColumns() {
+  std::vector<Column> columns = {
+      {"frames", [](const VelocityReport& r) { return std::to_string(r.frames); }},
+      {"refused", [](const VelocityReport& r) { return std::to_string(r.refused); }}};
+  for (const char* variant : kVariants) {
+    columns.push_back({variant, [variant](const VelocityReport& r) { return figure(meanOf(r, variant).value()); }});
+  }
+  return columns;
+}
+
+std::vector<Column> modelColumns() {
+  std::vector<Column> columns;
+  for (const char* model : {"planar", "planar_yaw", "ackermann", "spatial"}) {
+    columns.push_back({fmt::format("{}_vx", model), [model](const VelocityReport& r) {
+                         return figure(errorsOf(r, model).vx.value());
+                       }});
+    columns.push_back({fmt::format("{}_vy", model), [model](const VelocityReport& r) {
+                         return figure(errorsOf(r, model).vy.value());
+                       }});
+    if (std::string(model) == "planar_yaw" || std::string(model) == "ackermann") {
+      columns.push_back({fmt::format("{}_yaw_rate", model), [model](const VelocityReport& r) {
+                           return figure(errorsOf(r, model).yaw_rate.value(), 4);
+                         }});
+    }
+  }
+  columns.push_back({"wheel_vx", [](const VelocityReport& r) { return figure(r.wheel_estimate.value()); }});
+  columns.push_back({"wheel_vs_truth", [](const VelocityReport& r) { return figure(r.wheel_ground_truth.value()); }});
+  return columns;
+}
+
+std::vector<Column> outcomeColumns() {
+  return {{"sweeps", [](const VelocityReport& r) { return std::to_string(r.sweeps); }},
+          {"sweeps_refused", [](const VelocityReport& r) { return std::to_string(r.sweeps_refused); }},
+          {"distance", [](const VelocityReport& r) { return figure(r.gt_heading.distance, 1); }},
+          {"gt_heading_ate", [](const VelocityReport& r) { return figure(r.gt_heading.rootMeanSquare(), 2); }},
+          {"gt_heading_drift", [](const VelocityReport& r) { return figure(r.gt_heading.driftPercent(), 2); }},
+          {"own_heading_ate", [](const VelocityReport& r) { return figure(r.own_heading.rootMeanSquare(), 2); }},
+          {"own_heading_drift", [](const VelocityReport& r) { return figure(r.own_heading.driftPercent(), 2); }},
+          {"precision", [](const VelocityReport& r) { return figure(r.dynamic.precision()); }},
+          {"recall", [](const VelocityReport& r) { return figure(r.dynamic.recall()); }},
+          {"f1", [](const VelocityReport& r) { return figure(r.dynamic.f1()); }},
+          {"f1_70m", [](const VelocityReport& r) { return figure(r.dynamic_70m.f1()); }}};
+}
+
+std::string formatRows(const std::string& heading, const std::vector<Column>& columns,
+                       const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
+  constexpr std::size_t kSceneWidth = 12;
+  std::string text = heading + "\n" + fmt::format("{:<{}}", "scene", kSceneWidth);
+  std::size_t width = kSceneWidth;
+  for (const Column& column : columns) {
+    text += fmt::format("  {:>8}", column.title);
+    width += 2 + std::max<std::size_t>(8, column.title.size());
+  }
+  text += "\n" + std::string(width, '-') + "\n";
+  const auto row = [&](const std::string& name, const VelocityReport& report) {
+    text += fmt::format("{:<{}}", name, kSceneWidth);
+    for (const Column& column : columns) {
+      text += fmt::format("  {:>{}}", column.text(report), std::max<std::size_t>(8, column.title.size()));
+    }
+    text += "\n";
+  };
+  for (const VelocityReport& scene : scenes) row(scene.scene, scene);
+  text += std::string(width, '-') + "\n";
+  row("overall", overall);
+  return text;
+}
+
+}  // namespace
+
+std::string formatTable(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
+  const std::vector<Column> models = modelColumns();
+  const auto split = models.begin() + 5;  // planar and planar_yaw, then the others
+  return formatRows("Ego velocity, mean |v - v_gt| (m/s), planar model: B1 least squares on all returns, A1 on the "
+                    "static ones, B2/A2 with RANSAC, robust with reweighted refinement",
+                    estimatorColumns(), scenes, overall) +
+         "\n" +
+         formatRows("Motion models, mean absolute error (m/s, rad/s)", {models.begin(), split}, scenes, overall) +
+         "\n" +
+         formatRows("Motion models (continued); wheel_vx: planar_yaw against the rear wheels, wheel_vs_truth: the "
+                    "ground truth itself against them (m/s)",
+                    {split, models.end()}, scenes, overall) +
+         "\n" +
+         formatRows("Trajectory (m, drift in % of distance) and dynamic label against annotated boxes",
+                    outcomeColumns(), scenes, overall);
+}
+
+std::string formatJson(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
+  rapidjson::StringBuffer buffer;
+  Writer writer(buffer);
+  writer.SetIndent(' ', 2);
+  writer.SetMaxDecimalPlaces(6);
+  writer.StartObject();
+  writer.Key("scenes");
+  writer.StartArray();
+  for (const VelocityReport& scene : scenes) writeReport(writer, scene, false);
+  writer.EndArray();
+  writer.Key("overall");
+  writeReport(writer, overall, true);
+  writer.EndObject();
+  return std::string(buffer.GetString()) + "\n";
+}
+
+std::string formatCsv(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
+  std::vector<Column> columns = estimatorColumns();
+  for (const auto& more : {modelColumns(), outcomeColumns()}) columns.insert(columns.end(), more.begin(), more.end());
+  std::string text = "scene";
+  for (const Column& column : columns) text += "," + column.title;
+  text += "\n";
+  const auto row = [&](const std::string& name, const VelocityReport& report) {
+    text += name;
+    for (const Column& column : columns) {
+      const std::string value = column.text(report);
+      text += "," + (value == "-" ? std::string() : value);
+    }
+    text += "\n";
+  };
+  for (const VelocityReport& scene : scenes) row(scene.scene, scene);
+  row("overall", overall);
+  return text;
+}
+
+void writeFile(const std::string& path, const std::string& text) {
+  const std::filesystem::path target(path);
+  const std::filesystem::path partial(path + ".partial");
+  std::error_code ignored;
+  {
+    std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+    file << text;
+    file.close();
+    if (!file) {
+      std::filesystem::remove(partial, ignored);
+      throw std::runtime_error(fmt::format("{}: cannot be written (is the folder there, writable, and the disk not full?)", path));
+    }
+  }
+  std::error_code error;
+  std::filesystem::rename(partial, target, error);
+  if (error) {
+    std::filesystem::remove(partial, ignored);
+    throw std::runtime_error(fmt::format("{}: {}", path, error.message()));
+  }
+}
+
+}  // namespace radar_dot::evaluation

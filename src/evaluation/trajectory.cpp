@@ -1,0 +1,101 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/evaluation/trajectory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace radar_dot::evaluation {
+namespace {
+
+constexpr double kExtrapolationBase = 0.25;  // s, so that the jitter of single poses does not matter
+constexpr double kMinDistance = 10.0;        // m, below which a share of the distance means nothing
+
+double yawOf(const Eigen::Isometry3d& T) { return std::atan2(T.linear()(1, 0), T.linear()(0, 0)); }
+
+Eigen::Isometry3d interpolate(const StampedPose& a, const StampedPose& b, double time) {
+  const double share = (time - a.time) / (b.time - a.time);
+  const Eigen::Quaterniond qa(a.T_map_from_base.linear());
+  const Eigen::Quaterniond qb(b.T_map_from_base.linear());
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  if (share >= 0.0 && share <= 1.0) {
+    result.linear() = qa.slerp(share, qb).toRotationMatrix();
+  } else {
+    const Eigen::AngleAxisd turn(qa.conjugate() * qb);
+    result.linear() = (qa * Eigen::Quaterniond(Eigen::AngleAxisd(share * turn.angle(), turn.axis()))).toRotationMatrix();
+  }
+  result.translation() =
+      (1.0 - share) * a.T_map_from_base.translation() + share * b.T_map_from_base.translation();
+  return result;
+}
+
+}  // namespace
+
+PoseTrack::PoseTrack(std::vector<StampedPose> poses) : poses_(std::move(poses)) {
+  if (poses_.size() < 2) throw std::invalid_argument("a pose track needs at least two poses");
+  for (std::size_t i = 1; i < poses_.size(); ++i) {
+    if (!(poses_[i].time > poses_[i - 1].time)) {
+      throw std::invalid_argument("the times of a pose track must increase (pose " + std::to_string(i) + ")");
+    }
+  }
+}
+
+Eigen::Isometry3d PoseTrack::at(double time) const {
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), time,
+                                      [](const StampedPose& pose, double t) { return pose.time < t; });
+  if (after != poses_.begin() && after != poses_.end()) return interpolate(*std::prev(after), *after, time);
+  if (after == poses_.begin()) {
+    auto base = std::lower_bound(std::next(poses_.begin()), std::prev(poses_.end()), begin() + kExtrapolationBase,
+                                 [](const StampedPose& pose, double t) { return pose.time < t; });
+    return interpolate(poses_.front(), *base, time);
+  }
+  auto base = std::lower_bound(poses_.begin(), std::prev(poses_.end()), end() - kExtrapolationBase,
+                               [](const StampedPose& pose, double t) { return pose.time < t; });
+  if (base == std::prev(poses_.end())) --base;
+  return interpolate(*base, poses_.back(), time);
+}
+
+Eigen::Vector3d PoseTrack::meanVelocity(double t0, double t1) const {
+  const Eigen::Vector3d displacement = at(t1).translation() - at(t0).translation();
+  return at(0.5 * (t0 + t1)).linear().transpose() * displacement / (t1 - t0);
+}
+
+double PoseTrack::meanYawRate(double t0, double t1) const {
+  const Eigen::Isometry3d T_start_from_end = at(t0).inverse() * at(t1);
+  return yawOf(T_start_from_end) / (t1 - t0);
+}
+
+double TrajectoryError::rootMeanSquare() const {
+  return count == 0 ? std::numeric_limits<double>::quiet_NaN()
+                    : std::sqrt(squared_error / static_cast<double>(count));
+}
+
+double TrajectoryError::driftPercent() const {
+  return distance < kMinDistance ? std::numeric_limits<double>::quiet_NaN() : 100.0 * end_error / distance;
+}
+
+TrajectoryError& TrajectoryError::operator+=(const TrajectoryError& other) {
+  squared_error += other.squared_error;
+  count += other.count;
+  end_error += other.end_error;
+  distance += other.distance;
+  return *this;
+}
+
+TrajectoryError compareTrajectory(const std::vector<StampedPose>& estimate, const PoseTrack& truth) {
+  TrajectoryError result;
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    const Eigen::Vector3d actual = truth.at(estimate[i].time).translation();
+    const double error = (estimate[i].T_map_from_base.translation() - actual).norm();
+    result.squared_error += error * error;
+    ++result.count;
+    result.end_error = error;
+    // The path through the times of the estimate: the sum over every pose would add up their jitter.
+    if (i > 0) result.distance += (actual - truth.at(estimate[i - 1].time).translation()).norm();
+  }
+  return result;
+}
+
+}  // namespace radar_dot::evaluation

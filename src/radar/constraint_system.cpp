@@ -10,6 +10,13 @@
 namespace radar_dot {
 namespace {
 
+using Array = Eigen::Map<Eigen::ArrayXf>;
+using ConstArray = Eigen::Map<const Eigen::ArrayXf>;
+template <int N>
+using Vector = Eigen::Matrix<double, N, 1>;
+template <int N>
+using Matrix = Eigen::Matrix<double, N, N>;
+
 /// splitmix64: small, fast, and the same numbers on every platform.
 class Random {
  public:
@@ -28,11 +35,6 @@ class Random {
   std::uint64_t state_;
 };
 
-template <int N>
-using Vector = Eigen::Matrix<double, N, 1>;
-template <int N>
-using Matrix = Eigen::Matrix<double, N, N>;
-
 /// Calls `body` with the number of parameters as a compile-time constant.
 template <typename Body>
 auto dispatch(int parameters, Body&& body) {
@@ -43,16 +45,27 @@ auto dispatch(int parameters, Body&& body) {
   }
 }
 
-/// A X - b as a lazy expression over all rows, in single precision.
+ConstArray mapped(const std::vector<float>& values) {
+  return {values.data(), static_cast<Eigen::Index>(values.size())};
+}
+
+Array resized(std::vector<float>& values, std::size_t size) {
+  values.resize(size);
+  return {values.data(), static_cast<Eigen::Index>(size)};
+}
+
+/// A x - b over `count` rows from `first`, as a lazy expression in single precision.
 template <int N>
-auto residualExpression(const ConstraintSystem& system, const Parameters& x) {
+auto residualExpression(const ConstraintSystem& system, const Parameters& x, Eigen::Index first, Eigen::Index count) {
   const Eigen::Vector3f f = x.cast<float>();
+  const auto rhs = system.rightHandSide().segment(first, count);
+  const auto column = [&](int k) { return system.column(k).segment(first, count); };
   if constexpr (N == 1) {
-    return system.column(0) * f[0] - system.rightHandSide();
+    return column(0) * f[0] - rhs;
   } else if constexpr (N == 2) {
-    return system.column(0) * f[0] + system.column(1) * f[1] - system.rightHandSide();
+    return column(0) * f[0] + column(1) * f[1] - rhs;
   } else {
-    return system.column(0) * f[0] + system.column(1) * f[1] + system.column(2) * f[2] - system.rightHandSide();
+    return column(0) * f[0] + column(1) * f[1] + column(2) * f[2] - rhs;
   }
 }
 
@@ -63,48 +76,48 @@ Vector<N> row(const ConstraintSystem& system, std::size_t i) {
   return result;
 }
 
-/// Accumulates weight(i) * a a' and weight(i) * a b; rows of weight 0 are skipped.
-template <int N, typename Weight>
-void accumulate(const ConstraintSystem& system, Weight&& weight, Matrix<N>& information, Vector<N>& rhs) {
-  information.setZero();
-  rhs.setZero();
-  for (std::size_t i = 0; i < system.rows; ++i) {
-    const double w = weight(i);
-    if (w <= 0.0) continue;
-    const Vector<N> a = row<N>(system, i);
-    const Vector<N> wa = w * a;
-    information.noalias() += wa * a.transpose();
-    rhs.noalias() += wa * static_cast<double>(system.right_hand_side[i]);
-  }
-}
-
+/// A' W A, summed in vector instructions.
 template <int N>
-bool solveNormal(const Matrix<N>& information, const Vector<N>& rhs, Parameters& solution) {
-  const Eigen::LDLT<Matrix<N>> factors(information);
-  const Vector<N> diagonal = factors.vectorD();
-  if (factors.info() != Eigen::Success || !(diagonal.minCoeff() > 1e-12 * std::max(diagonal.maxCoeff(), 1e-12))) {
-    return false;
+Matrix<N> informationMatrix(const ConstraintSystem& system, const ConstArray& weights) {
+  Matrix<N> information;
+  for (int i = 0; i < N; ++i) {
+    for (int j = i; j < N; ++j) {
+      information(i, j) = information(j, i) =
+          static_cast<double>((weights * system.column(i) * system.column(j)).sum());
+    }
   }
-  solution.setZero();
-  solution.template head<N>() = factors.solve(rhs);
-  return solution.allFinite();
+  return information;
 }
 
-template <int N, typename Weight>
-bool solveWeighted(const ConstraintSystem& system, Weight&& weight, Parameters& solution) {
-  Matrix<N> information;
-  Vector<N> rhs;
-  accumulate<N>(system, weight, information, rhs);
-  return solveNormal<N>(information, rhs, solution);
+/// One weighted least-squares step from x, whose residuals are e = A x - b:
+///     x <- x - (A' W A)^-1 A' W e.
+/// A step instead of a fresh solution keeps the rounding of single precision relative to the
+/// residuals, however fast the vehicle is.
+template <int N>
+bool stepWeighted(const ConstraintSystem& system, const SolverScratch& scratch, Parameters& x) {
+  const ConstArray weights = mapped(scratch.weights);
+  const ConstArray residuals = mapped(scratch.residuals);
+  Vector<N> gradient;
+  for (int i = 0; i < N; ++i) {
+    gradient[i] = static_cast<double>((weights * system.column(i) * residuals).sum());
+  }
+  const Eigen::LDLT<Matrix<N>> factors(informationMatrix<N>(system, weights));
+  const Vector<N> diagonal = factors.vectorD();
+  if (factors.info() != Eigen::Success || !(diagonal.minCoeff() > 1e-6 * diagonal.maxCoeff())) return false;
+  const Vector<N> step = factors.solve(gradient);
+  if (!step.allFinite()) return false;
+  x.template head<N>() -= step;
+  return true;
 }
 
 /// Solves N rows exactly; false for samples so close to parallel that they amplify noise.
 template <int N>
 bool solveMinimal(const Matrix<N>& a, const Vector<N>& b, Parameters& solution) {
+  constexpr double kMinDeterminant = 1e-3;
   double determinant = 0.0;
   bool invertible = false;
   Matrix<N> inverse;
-  a.computeInverseAndDetWithCheck(inverse, determinant, invertible, 1e-3);
+  a.computeInverseAndDetWithCheck(inverse, determinant, invertible, kMinDeterminant);
   if (!invertible) return false;
   solution.setZero();
   solution.template head<N>() = inverse * b;
@@ -115,46 +128,55 @@ bool solveMinimal(const Matrix<N>& a, const Vector<N>& b, Parameters& solution) 
 template <int N>
 std::array<std::size_t, N> drawSample(Random& random, std::size_t rows) {
   std::array<std::size_t, N> sample{};
-  for (int k = 0; k < N; ++k) {
-    bool repeated = true;
-    while (repeated) {
-      sample[static_cast<std::size_t>(k)] = random.below(rows);
-      repeated = std::find(sample.begin(), sample.begin() + k, sample[static_cast<std::size_t>(k)]) !=
-                 sample.begin() + k;
-    }
+  for (auto entry = sample.begin(); entry != sample.end(); ++entry) {
+    do {
+      *entry = random.below(rows);
+    } while (std::find(sample.begin(), entry, *entry) != entry);
   }
   return sample;
 }
 
 template <int N>
-bool ransac(const ConstraintSystem& system, const RansacParams& params, Parameters& best,
-            std::vector<float>& residuals) {
+bool hypothesize(const ConstraintSystem& system, Random& random, Parameters& hypothesis) {
+  const auto sample = drawSample<N>(random, system.rows);
+  Matrix<N> a;
+  Vector<N> b;
+  for (int k = 0; k < N; ++k) {
+    const std::size_t i = sample[static_cast<std::size_t>(k)];
+    a.row(k) = row<N>(system, i).transpose();
+    b[k] = static_cast<double>(system.right_hand_side[i]);
+  }
+  return solveMinimal<N>(a, b, hypothesis);
+}
+
+/// Sum of min(e^2, truncation); stops early once it cannot fall below `limit` any more.
+template <int N>
+float truncatedCost(const ConstraintSystem& system, const Parameters& x, float truncation, float limit) {
+  constexpr Eigen::Index kBlock = 64;
+  const auto rows = static_cast<Eigen::Index>(system.rows);
+  float cost = 0.F;
+  for (Eigen::Index first = 0; first < rows && cost < limit; first += kBlock) {
+    cost += residualExpression<N>(system, x, first, std::min(kBlock, rows - first)).square().min(truncation).sum();
+  }
+  return cost;
+}
+
+template <int N>
+bool ransac(const ConstraintSystem& system, const RansacParams& params, Parameters& best, SolverScratch& scratch) {
   if (system.rows < static_cast<std::size_t>(N)) return false;
   Random random(params.seed);
-  const float truncation = static_cast<float>(params.inlier_threshold * params.inlier_threshold);
-  const auto cost = [&](const Parameters& x) {
-    return residualExpression<N>(system, x).square().min(truncation).sum();
-  };
+  const auto truncation = static_cast<float>(params.inlier_threshold * params.inlier_threshold);
   float best_cost = std::numeric_limits<float>::infinity();
   for (int iteration = 0; iteration < params.iterations; ++iteration) {
-    const auto sample = drawSample<N>(random, system.rows);
-    Matrix<N> a;
-    Vector<N> b;
-    for (int k = 0; k < N; ++k) {
-      const std::size_t i = sample[static_cast<std::size_t>(k)];
-      a.row(k) = row<N>(system, i).transpose();
-      b[k] = static_cast<double>(system.right_hand_side[i]);
-    }
     Parameters hypothesis;
-    if (!solveMinimal<N>(a, b, hypothesis)) continue;
-    const float hypothesis_cost = cost(hypothesis);
-    if (!(hypothesis_cost < best_cost)) continue;
-    best_cost = hypothesis_cost;
+    if (!hypothesize<N>(system, random, hypothesis)) continue;
+    const float cost = truncatedCost<N>(system, hypothesis, truncation, best_cost);
+    if (!(cost < best_cost)) continue;
+    best_cost = cost;
     best = hypothesis;
-    evaluateResiduals(system, hypothesis, residuals);
-    Parameters polished;
-    if (!solveInliers(system, residuals, params.inlier_threshold, polished)) continue;
-    const float polished_cost = cost(polished);
+    Parameters polished = hypothesis;
+    if (!solveInliers(system, params.inlier_threshold, polished, scratch)) continue;
+    const float polished_cost = truncatedCost<N>(system, polished, truncation, best_cost);
     if (polished_cost < best_cost) {
       best_cost = polished_cost;
       best = polished;
@@ -170,14 +192,13 @@ void ConstraintSystem::resize(int parameter_count, std::size_t row_count) {
   rows = row_count;
   for (auto& values : columns) values.resize(row_count);
   right_hand_side.resize(row_count);
-  sigma.resize(row_count);
+  variance.resize(row_count);
 }
 
 void evaluateResiduals(const ConstraintSystem& system, const Parameters& solution, std::vector<float>& residuals) {
-  residuals.resize(system.rows);
-  Eigen::Map<Eigen::ArrayXf> out(residuals.data(), static_cast<Eigen::Index>(system.rows));
+  Array out = resized(residuals, system.rows);
   dispatch(system.parameters, [&](auto n) {
-    out = residualExpression<decltype(n)::value>(system, solution);
+    out = residualExpression<decltype(n)::value>(system, solution, 0, out.size());
     return 0;
   });
 }
@@ -189,21 +210,22 @@ Observability analyseObservability(const ConstraintSystem& system, double max_co
   dispatch(system.parameters, [&](auto n) {
     constexpr int N = decltype(n)::value;
     Matrix<N> information;
-    Vector<N> unused;
-    accumulate<N>(system, [](std::size_t) { return 1.0; }, information, unused);
+    for (int i = 0; i < N; ++i) {
+      for (int j = i; j < N; ++j) {
+        information(i, j) = information(j, i) =
+            (system.column(i).template cast<double>() * system.column(j).template cast<double>()).sum();
+      }
+    }
     const Eigen::SelfAdjointEigenSolver<Matrix<N>> eigen(information);
     const Vector<N> values = eigen.eigenvalues().cwiseMax(0.0);  // ascending
-    const double largest = values[N - 1];
-    const double floor = largest / (max_condition_number * max_condition_number);
+    const double floor = values[N - 1] / (max_condition_number * max_condition_number);
     for (int k = 0; k < N; ++k) {
-      if (largest > 0.0 && values[k] >= floor) ++result.rank;
+      if (values[k] > 0.0 && values[k] >= floor) ++result.rank;
     }
-    if (values[0] > 0.0) result.condition_number = std::sqrt(largest / values[0]);
-    if (result.rank < N) {
-      result.condition_number = std::numeric_limits<double>::infinity();
-      for (int k = 0; k < N; ++k) {  // constrained directions first
-        result.basis.template block<N, 1>(0, k) = eigen.eigenvectors().col(N - 1 - k);
-      }
+    if (result.rank == N) {
+      result.condition_number = std::sqrt(values[N - 1] / values[0]);
+    } else {
+      for (int k = 0; k < N; ++k) result.basis.template block<N, 1>(0, k) = eigen.eigenvectors().col(N - 1 - k);
     }
     return 0;
   });
@@ -212,79 +234,66 @@ Observability analyseObservability(const ConstraintSystem& system, double max_co
 
 void projectSystem(const ConstraintSystem& system, const Observability& observability, ConstraintSystem& projected) {
   projected.resize(observability.rank, system.rows);
-  const auto rows = static_cast<Eigen::Index>(system.rows);
   for (int k = 0; k < observability.rank; ++k) {
-    Eigen::Map<Eigen::ArrayXf> out(projected.columns[static_cast<std::size_t>(k)].data(), rows);
+    Array out = resized(projected.columns[static_cast<std::size_t>(k)], system.rows);
     out.setZero();
     for (int j = 0; j < system.parameters; ++j) {
       out += system.column(j) * static_cast<float>(observability.basis(j, k));
     }
   }
-  std::copy_n(system.right_hand_side.begin(), system.rows, projected.right_hand_side.begin());
-  std::copy_n(system.sigma.begin(), system.rows, projected.sigma.begin());
+  projected.right_hand_side = system.right_hand_side;
+  projected.variance = system.variance;
 }
 
-bool solveLeastSquares(const ConstraintSystem& system, Parameters& solution) {
+bool solveLeastSquares(const ConstraintSystem& system, Parameters& solution, SolverScratch& scratch) {
+  resized(scratch.weights, system.rows).setOnes();
+  solution.setZero();
   return dispatch(system.parameters, [&](auto n) {
-    return solveWeighted<decltype(n)::value>(system, [](std::size_t) { return 1.0; }, solution);
+    for (int refinement = 0; refinement < 2; ++refinement) {  // the second step removes rounding
+      evaluateResiduals(system, solution, scratch.residuals);
+      if (!stepWeighted<decltype(n)::value>(system, scratch, solution)) return false;
+    }
+    return true;
   });
 }
 
-bool solveInliers(const ConstraintSystem& system, const std::vector<float>& residuals, double threshold,
-                  Parameters& solution) {
-  const float limit = static_cast<float>(threshold);
-  return dispatch(system.parameters, [&](auto n) {
-    return solveWeighted<decltype(n)::value>(
-        system, [&](std::size_t i) { return std::abs(residuals[i]) < limit ? 1.0 : 0.0; }, solution);
-  });
+bool solveInliers(const ConstraintSystem& system, double threshold, Parameters& solution, SolverScratch& scratch) {
+  evaluateResiduals(system, solution, scratch.residuals);
+  resized(scratch.weights, system.rows) =
+      (mapped(scratch.residuals).abs() < static_cast<float>(threshold)).cast<float>();
+  return dispatch(system.parameters,
+                  [&](auto n) { return stepWeighted<decltype(n)::value>(system, scratch, solution); });
 }
 
 bool solveRansac(const ConstraintSystem& system, const RansacParams& params, Parameters& solution,
-                 std::vector<float>& residuals) {
+                 SolverScratch& scratch) {
   return dispatch(system.parameters,
-                  [&](auto n) { return ransac<decltype(n)::value>(system, params, solution, residuals); });
+                  [&](auto n) { return ransac<decltype(n)::value>(system, params, solution, scratch); });
 }
 
-bool refineRobust(const ConstraintSystem& system, int iterations, Parameters& solution,
-                  std::vector<float>& residuals) {
+bool refineRobust(const ConstraintSystem& system, int iterations, Parameters& solution, SolverScratch& scratch) {
+  constexpr double kConverged = 1e-4;  // m/s: far below what the data can tell
   return dispatch(system.parameters, [&](auto n) {
-    constexpr int N = decltype(n)::value;
-    constexpr double kConverged = 1e-5;  // m/s: far below what the data can tell
     for (int iteration = 0; iteration < iterations; ++iteration) {
-      evaluateResiduals(system, solution, residuals);
+      evaluateResiduals(system, solution, scratch.residuals);
+      resized(scratch.weights, system.rows) =
+          (mapped(system.variance) + mapped(scratch.residuals).square()).inverse();
       const Parameters before = solution;
-      const auto weight = [&](std::size_t i) {
-        const double sigma = static_cast<double>(system.sigma[i]);
-        const double e = static_cast<double>(residuals[i]);
-        return 1.0 / (sigma * sigma + e * e);  // Cauchy: (1 / sigma^2) / (1 + (e / sigma)^2)
-      };
-      if (!solveWeighted<N>(system, weight, solution)) {
-        solution = before;
-        return iteration > 0;
-      }
+      if (!stepWeighted<decltype(n)::value>(system, scratch, solution)) return iteration > 0;
       if ((solution - before).cwiseAbs().maxCoeff() < kConverged) break;
     }
     return true;
   });
 }
 
-NormalEquations inlierInformation(const ConstraintSystem& system, const std::vector<float>& residuals,
-                                  double threshold) {
-  NormalEquations result;
-  const float limit = static_cast<float>(threshold);
+Eigen::Matrix3d inlierInformation(const ConstraintSystem& system, const std::vector<float>& residuals,
+                                  double threshold, SolverScratch& scratch) {
+  Eigen::Matrix3d result = Eigen::Matrix3d::Zero();
+  resized(scratch.weights, system.rows) =
+      (mapped(residuals).abs() < static_cast<float>(threshold)).cast<float>() / mapped(system.variance);
   dispatch(system.parameters, [&](auto n) {
     constexpr int N = decltype(n)::value;
-    Matrix<N> information;
-    Vector<N> rhs;
-    accumulate<N>(
-        system,
-        [&](std::size_t i) {
-          const double sigma = static_cast<double>(system.sigma[i]);
-          return std::abs(residuals[i]) < limit ? 1.0 / (sigma * sigma) : 0.0;
-        },
-        information, rhs);
-    result.information.template topLeftCorner<N, N>() = information;
-    result.right_hand_side.template head<N>() = rhs;
+    result.topLeftCorner<N, N>() = informationMatrix<N>(system, mapped(scratch.weights));
     return 0;
   });
   return result;

@@ -19,7 +19,7 @@ struct ConstraintSystem {
   std::size_t rows = 0;
   std::array<std::vector<float>, kMaxParameters> columns;
   std::vector<float> right_hand_side;  ///< b = -d, m/s
-  std::vector<float> sigma;            ///< 1 sigma of a row, m/s
+  std::vector<float> variance;         ///< of a row, (m/s)^2
 
   void resize(int parameter_count, std::size_t row_count);
 
@@ -33,20 +33,20 @@ struct ConstraintSystem {
 /// A solution in the parameters of a system; the unused entries are zero.
 using Parameters = Eigen::Vector3d;
 
+/// Memory the solvers keep between calls.
+struct SolverScratch {
+  std::vector<float> residuals;
+  std::vector<float> weights;
+};
+
 /// e = A x - b, one value per row. For b = -d this is the paper's residual d + u.v with its sign.
 void evaluateResiduals(const ConstraintSystem& system, const Parameters& solution, std::vector<float>& residuals);
-
-/// Weighted normal equations A' W A and A' W b.
-struct NormalEquations {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right_hand_side = Eigen::Vector3d::Zero();
-};
 
 /// Which directions of the parameter space the rows constrain.
 struct Observability {
   int rank = 0;
   double condition_number = 0.0;  ///< of the unweighted design matrix; infinite when rank-deficient
-  /// Orthonormal columns: the constrained directions first, then the free ones.
+  /// Orthonormal columns: the constrained directions first, then the free ones. Identity at full rank.
   Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();
 };
 
@@ -56,29 +56,29 @@ Observability analyseObservability(const ConstraintSystem& system, double max_co
 /// The system in the coordinates of the first `rank` columns of `basis`: A V, b.
 void projectSystem(const ConstraintSystem& system, const Observability& observability, ConstraintSystem& projected);
 
+/// Parameters of solveRansac.
 struct RansacParams {
   std::uint64_t seed = 1;
   int iterations = 100;
   double inlier_threshold = 0.3;  ///< m/s
 };
 
-/// Least squares over all rows. @return false when the system is singular.
-bool solveLeastSquares(const ConstraintSystem& system, Parameters& solution);
+/// Least squares over all rows. All solvers return false when the system is singular.
+bool solveLeastSquares(const ConstraintSystem& system, Parameters& solution, SolverScratch& scratch);
 
-/// Least squares over the rows with |residual| < threshold.
-bool solveInliers(const ConstraintSystem& system, const std::vector<float>& residuals, double threshold,
-                  Parameters& solution);
+/// Least squares over the rows that `solution` explains within `threshold` (m/s).
+bool solveInliers(const ConstraintSystem& system, double threshold, Parameters& solution, SolverScratch& scratch);
 
 /// Consensus by minimal samples, scored with the truncated quadratic of MSAC (Torr & Zisserman 2000);
 /// each new best is polished by least squares on its inliers (LO-RANSAC, Chum et al. 2003).
 bool solveRansac(const ConstraintSystem& system, const RansacParams& params, Parameters& solution,
-                 std::vector<float>& residuals);
+                 SolverScratch& scratch);
 
-/// Iteratively reweighted least squares with Cauchy weights, scaled by the sigma of each row.
-bool refineRobust(const ConstraintSystem& system, int iterations, Parameters& solution, std::vector<float>& residuals);
+/// Iteratively reweighted least squares with Cauchy weights 1 / (sigma^2 + e^2), from `solution`.
+bool refineRobust(const ConstraintSystem& system, int iterations, Parameters& solution, SolverScratch& scratch);
 
-/// Normal equations over the rows with |residual| < threshold, weighted by 1 / sigma^2.
-NormalEquations inlierInformation(const ConstraintSystem& system, const std::vector<float>& residuals,
-                                  double threshold);
+/// Information matrix A' W A over the rows with |residual| < threshold, W = 1 / variance.
+Eigen::Matrix3d inlierInformation(const ConstraintSystem& system, const std::vector<float>& residuals,
+                                  double threshold, SolverScratch& scratch);
 
 }  // namespace radar_dot

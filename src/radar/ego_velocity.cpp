@@ -98,14 +98,15 @@ struct EgoVelocityEstimator::Workspace {
   ConstraintSystem pass;             ///< scratch: a subset of rows of one of the above
   std::vector<std::size_t> indices;  ///< rows of `active` in `all`
   std::vector<std::size_t> subset;
-  std::vector<float> residuals;
+  SolverScratch scratch;
+  std::vector<float> residuals;  ///< of `active`
   std::vector<Eigen::Vector2f> positions;
   std::vector<std::size_t> candidates;
   EgoVelocityResult result;
 
   void stack(const EgoVelocityParams& params, const std::vector<RadarScan>& scans, double reference_time,
              const Eigen::Vector3d& acceleration);
-  void setSigma(const EgoVelocityParams& params, const Parameters& solution);
+  void setVariance(const EgoVelocityParams& params, const Parameters& solution);
   bool solvePass(const EgoVelocityParams& params, const ConstraintSystem& system, bool consensus,
                  Parameters& solution);
   EstimateStatus solve(const EgoVelocityParams& params, Observability& observability, Parameters& reduced);
@@ -127,7 +128,7 @@ void EgoVelocityEstimator::Workspace::gather(const ConstraintSystem& from, const
       to.columns[k][i] = from.columns[k][which[i]];
     }
     to.right_hand_side[i] = from.right_hand_side[which[i]];
-    to.sigma[i] = from.sigma[which[i]];
+    to.variance[i] = from.variance[which[i]];
   }
 }
 
@@ -169,13 +170,13 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params, con
           axis < 3 ? u[axis] : u.y() * rows[i].mount.x() - u.x() * rows[i].mount.y();  // (t x u)_z
     }
     all.right_hand_side[i] = rows[i].right_hand_side;
-    all.sigma[i] = static_cast<float>(params.doppler_std);
+    all.variance[i] = static_cast<float>(params.doppler_std * params.doppler_std);
     if (!rows[i].known_dynamic) indices.push_back(i);
   }
 }
 
 /// A bearing that is off by delta shifts the Doppler by delta times the speed across the line of sight.
-void EgoVelocityEstimator::Workspace::setSigma(const EgoVelocityParams& params, const Parameters& solution) {
+void EgoVelocityEstimator::Workspace::setVariance(const EgoVelocityParams& params, const Parameters& solution) {
   const ModelAxes model = axesOf(params.model);
   Eigen::Vector3f linear = Eigen::Vector3f::Zero();
   float yaw_rate = 0.F;
@@ -191,20 +192,17 @@ void EgoVelocityEstimator::Workspace::setSigma(const EgoVelocityParams& params, 
         linear + Eigen::Vector3f(-yaw_rate * row.mount.y(), yaw_rate * row.mount.x(), 0.F);
     const float along = row.bearing.dot(sensor_velocity);
     const float across_squared = std::max(0.F, sensor_velocity.squaredNorm() - along * along);
-    active.sigma[j] = std::sqrt(doppler_variance + azimuth_variance * across_squared);
+    active.variance[j] = doppler_variance + azimuth_variance * across_squared;
   }
 }
 
 bool EgoVelocityEstimator::Workspace::solvePass(const EgoVelocityParams& params, const ConstraintSystem& system,
                                                 bool consensus, Parameters& solution) {
-  if (params.solver == Solver::kLeastSquares) return solveLeastSquares(system, solution);
-  if (consensus) {
-    const RansacParams ransac{params.seed, params.ransac_iterations, params.inlier_threshold};
-    if (!solveRansac(system, ransac, solution, residuals)) return false;
-    evaluateResiduals(system, solution, residuals);
-    return solveInliers(system, residuals, params.inlier_threshold, solution);
-  }
-  return refineRobust(system, params.robust_iterations, solution, residuals);
+  if (params.solver == Solver::kLeastSquares) return solveLeastSquares(system, solution, scratch);
+  if (!consensus) return refineRobust(system, params.robust_iterations, solution, scratch);
+  const RansacParams ransac{params.seed, params.ransac_iterations, params.inlier_threshold};
+  return solveRansac(system, ransac, solution, scratch) &&
+         solveInliers(system, params.inlier_threshold, solution, scratch);
 }
 
 EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& params, Observability& observability,
@@ -229,7 +227,7 @@ EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& p
 
   const bool robust = params.solver == Solver::kRansacRobust;
   if (!solvePass(params, active, true, reduced)) return EstimateStatus::kNoConsensus;
-  setSigma(params, fullSolution());
+  setVariance(params, fullSolution());
   if (robust && !solvePass(params, active, false, reduced)) return EstimateStatus::kNoConsensus;
   if (!params.two_pass) return EstimateStatus::kOk;
 
@@ -259,18 +257,18 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params, co
     if (std::abs(e) >= threshold) continue;
     ++result.inlier_count;
     sum += e * e;
-    chi_squared += e * e / static_cast<double>(active.sigma[i] * active.sigma[i]);
+    chi_squared += e * e / static_cast<double>(active.variance[i]);
   }
   if (result.inlier_count > 0) result.rms = std::sqrt(sum / static_cast<double>(result.inlier_count));
 
   // Covariance of weighted least squares, widened where the residuals are larger than the noise model.
-  const NormalEquations normal = inlierInformation(active, residuals, threshold);
+  const Eigen::Matrix3d information = inlierInformation(active, residuals, threshold, scratch);
   Eigen::Matrix3d reduced_covariance = Eigen::Matrix3d::Zero();
   const double freedom = static_cast<double>(result.inlier_count) - rank;
   const double widening = freedom > 0.0 ? std::max(1.0, chi_squared / freedom) : 1.0;
   for (int k = rank; k < 3; ++k) reduced_covariance(k, k) = params.unobserved_variance;
   reduced_covariance.topLeftCorner(rank, rank) =
-      widening * normal.information.topLeftCorner(rank, rank)
+      widening * information.topLeftCorner(rank, rank)
                      .ldlt()
                      .solve(Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>::Identity(rank, rank));
   const Eigen::Matrix3d& basis = observability.basis;

@@ -1,0 +1,83 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "radar_dot/evaluation/ego_velocity_evaluation.h"
+#include "radar_dot/evaluation/report.h"
+
+namespace {
+
+using radar_dot::evaluation::VelocityEvaluationOptions;
+using radar_dot::evaluation::VelocityReport;
+
+struct Arguments {
+  std::string dataroot, version = "v1.0-mini", json, csv, model = "planar_yaw";
+  std::vector<std::string> scenes;
+  bool all_returns = false;
+  bool paper_labels = false;
+  VelocityEvaluationOptions options;
+};
+
+void declare(CLI::App& app, Arguments& arguments) {
+  app.add_option("--dataroot", arguments.dataroot, "Folder with the nuScenes tables and sensor files")->required();
+  app.add_option("--version", arguments.version, "Table folder")->capture_default_str();
+  app.add_option("--scenes", arguments.scenes, "Scene names, comma-separated (default: all)")->delimiter(',');
+  app.add_option("--channels", arguments.options.channels, "Radars, comma-separated (default: all)")->delimiter(',');
+  app.add_option("--json", arguments.json, "Write the results to this JSON file");
+  app.add_option("--csv", arguments.csv, "Write the results to this CSV file");
+  app.add_option("--model", arguments.model, "Motion model of trajectory and labels")->capture_default_str();
+  app.add_option("--doppler-scale", arguments.options.extraction.doppler_scale, "Factor on every Doppler velocity")
+      ->capture_default_str();
+  app.add_option("--threshold", arguments.options.estimator.segmentation.threshold,
+                 "tau of the two passes, m/s")->capture_default_str();
+  app.add_flag("--all-returns", arguments.all_returns, "Switch the nuScenes validity filters off");
+  app.add_flag("--paper-labels", arguments.paper_labels, "Label by the residual threshold alone, without neighbours");
+}
+
+int run(Arguments& arguments) {
+  namespace dataset = radar_dot::dataset;
+  VelocityEvaluationOptions& options = arguments.options;
+  options.estimator.model = radar_dot::motionModelFromString(arguments.model);
+  options.estimator.segmentation.neighbourhood = !arguments.paper_labels;
+  if (arguments.all_returns) {
+    options.extraction.filter.invalid_states.clear();
+    options.extraction.filter.ambig_states.clear();
+    options.extraction.filter.pdh0_states.clear();
+  }
+  dataset::LoadOptions load;
+  load.version = arguments.version;
+  load.scenes = arguments.scenes;
+  const dataset::Tables tables = dataset::Tables::load(arguments.dataroot, load);
+
+  std::vector<VelocityReport> reports;
+  VelocityReport overall;
+  for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
+    reports.push_back(evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene), options));
+    overall += reports.back();
+  }
+  std::fputs(formatTable(reports, overall).c_str(), stdout);
+  if (!arguments.json.empty()) writeFile(arguments.json, formatJson(reports, overall));
+  if (!arguments.csv.empty()) writeFile(arguments.csv, formatCsv(reports, overall));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Scores the radar ego velocity, trajectory and static/dynamic labels on a nuScenes dataroot.");
+  Arguments arguments;
+  declare(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(arguments);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "evaluate_ego_velocity: {}\n", error.what());
+    return 1;
+  }
+}

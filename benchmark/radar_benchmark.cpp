@@ -1,0 +1,73 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <benchmark/benchmark.h>
+
+#include <cstring>
+
+#include "radar/allocation_counter.h"
+#include "radar/synthetic_sweep.h"
+#include "radar_dot/radar/doppler_returns.h"
+#include "radar_dot/radar/ego_velocity.h"
+
+namespace {
+
+using namespace radar_dot;
+
+// A five-radar sweep as nuScenes gives it: 440 returns, a fifth of them moving.
+test::Sweep makeNuscenesLikeSweep() {
+  test::SweepOptions options;
+  options.returns_per_radar = 88;
+  options.moving_share = 0.2;
+  options.doppler_sigma = 0.12;
+  return test::makeSweep(test::carMounts(), {8.0, 0.0, 0.0}, {0.0, 0.0, 0.1}, options);
+}
+
+void sweep(benchmark::State& state, MotionModel model, Solver solver) {
+  const test::Sweep data = makeNuscenesLikeSweep();
+  const std::vector<RadarScan> scans = data.scans();
+  EgoVelocityParams params;
+  params.model = model;
+  params.solver = solver;
+  EgoVelocityEstimator estimator(params);
+  for (int i = 0; i < 3; ++i) estimator.estimate(scans, 0.0);  // its buffers grow to their size
+  const std::size_t before = test::allocationCount();
+  estimator.estimate(scans, 0.0);
+  state.counters["allocations"] = static_cast<double>(test::allocationCount() - before);
+  for (auto _ : state) benchmark::DoNotOptimize(estimator.estimate(scans, 0.0).linear);
+  state.counters["returns"] = static_cast<double>(data.returns.size() * data.returns[0].size());
+}
+BENCHMARK_CAPTURE(sweep, planar_ransac_robust, MotionModel::kPlanar, Solver::kRansacRobust);
+BENCHMARK_CAPTURE(sweep, planar_yaw_ransac_robust, MotionModel::kPlanarYaw, Solver::kRansacRobust);
+BENCHMARK_CAPTURE(sweep, ackermann_ransac_robust, MotionModel::kAckermann, Solver::kRansacRobust);
+BENCHMARK_CAPTURE(sweep, planar_yaw_ransac, MotionModel::kPlanarYaw, Solver::kRansac);
+BENCHMARK_CAPTURE(sweep, planar_least_squares, MotionModel::kPlanar, Solver::kLeastSquares);
+
+// A scan of 88 records with 18 fields, as in a nuScenes file.
+void extract(benchmark::State& state) {
+  PointCloud cloud;
+  for (const char* name : {"x", "y", "z", "rcs", "vx", "vy"}) {
+    cloud.fields.push_back({name, static_cast<std::uint32_t>(cloud.point_step), ScalarType::kFloat32, 1});
+    cloud.point_step += 4;
+  }
+  for (const char* name : {"invalid_state", "ambig_state", "pdh0"}) {
+    cloud.fields.push_back({name, static_cast<std::uint32_t>(cloud.point_step), ScalarType::kInt8, 1});
+    cloud.point_step += 1;
+  }
+  cloud.size = 88;
+  cloud.data.assign(cloud.point_step * cloud.size, 0);
+  for (std::size_t i = 0; i < cloud.size; ++i) {
+    std::uint8_t* point = cloud.data.data() + i * cloud.point_step;
+    const float values[] = {10.F + static_cast<float>(i), 5.F, 0.F, 3.F, -8.F, 0.5F};
+    std::memcpy(point, values, sizeof values);
+    point[cloud.point_step - 2] = 3;
+    point[cloud.point_step - 1] = 1;
+  }
+  DopplerExtractor extractor;
+  std::vector<DopplerReturn> returns;
+  for (auto _ : state) benchmark::DoNotOptimize(extractor.extract(cloud.view(), returns).accepted);
+}
+BENCHMARK(extract);
+
+}  // namespace
+
+BENCHMARK_MAIN();

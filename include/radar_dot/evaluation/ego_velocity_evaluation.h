@@ -1,0 +1,85 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "radar_dot/dataset/tables.h"
+#include "radar_dot/evaluation/annotation_labels.h"
+#include "radar_dot/evaluation/trajectory.h"
+#include "radar_dot/radar/doppler_returns.h"
+#include "radar_dot/radar/ego_velocity.h"
+
+namespace radar_dot::evaluation {
+
+/// A mean that can be merged with others.
+struct Mean {
+  double sum = 0.0;
+  std::size_t count = 0;
+  void add(double value) {
+    sum += value;
+    ++count;
+  }
+  double value() const {
+    return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
+  }
+  Mean& operator+=(const Mean& other) {
+    sum += other.sum;
+    count += other.count;
+    return *this;
+  }
+};
+
+/// What is evaluated, and with which parameters.
+struct VelocityEvaluationOptions {
+  std::vector<std::string> channels;  ///< empty = every radar of the scene
+  ExtractionParams extraction;
+  /// Model, solver and passes vary over the table; everything else is taken from here.
+  EgoVelocityParams estimator;
+  double window = 0.1;  ///< s, age of the oldest scan of a sweep
+  LabelParams labels;
+};
+
+/// The paper's four estimators, planar model: B1 least squares on all returns, A1 on the static
+/// ones, B2 and A2 the same with RANSAC; and "robust": RANSAC with reweighted refinement.
+inline constexpr std::array<const char*, 5> kVariants = {"B1", "A1", "B2", "A2", "robust"};
+
+/// Errors of one motion model against the displacement of the true poses.
+struct ModelErrors {
+  Mean vx, vy;    ///< m/s, absolute
+  Mean yaw_rate;  ///< rad/s, absolute; empty for models without yaw rate
+  ModelErrors& operator+=(const ModelErrors& other);
+};
+
+/// Results of one scene, or of several merged by operator+=.
+struct VelocityReport {
+  std::string scene;
+  std::size_t frames = 0;   ///< pairs of consecutive keyframes
+  std::size_t refused = 0;  ///< of them, refused by the estimator in use
+  std::map<std::string, std::size_t> refusals;  ///< by reason
+  std::map<std::string, Mean> mae;              ///< by variant: |v - v_gt|, m/s
+  std::map<std::string, ModelErrors> models;    ///< by motion model
+  /// Forward speed against the rear wheels of the CAN bus, m/s: of the estimate (planar_yaw), and
+  /// of the poses themselves, which shows how much of an error is the ground truth's own.
+  Mean wheel_estimate, wheel_ground_truth;
+  std::size_t sweeps = 0;          ///< estimates along the trajectory
+  std::size_t sweeps_refused = 0;  ///< of them, refused
+  TrajectoryError gt_heading, own_heading;
+  Confusion dynamic;      ///< every range
+  Confusion dynamic_70m;  ///< returns within 70 m of the base frame's origin
+  VelocityReport& operator+=(const VelocityReport& other);
+};
+
+/// Evaluates one scene.
+/// @throws dataset::DatasetError for unreadable files, a channel without readings or a scene
+///         without poses.
+VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, dataset::Index scene,
+                                   const VelocityEvaluationOptions& options = {});
+
+}  // namespace radar_dot::evaluation

@@ -1,0 +1,51 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "radar_dot/dataset/can_bus.h"
+#include "radar_dot/dataset/tables.h"
+#include "radar_dot/evaluation/trajectory.h"
+#include "radar_dot/radar/doppler_returns.h"
+#include "radar_dot/radar/ego_velocity.h"
+
+namespace radar_dot::evaluation {
+
+/// One scan of one radar, read and filtered.
+struct LoadedScan {
+  double time = 0.0;                       ///< s
+  dataset::Index sample = dataset::kNone;  ///< the keyframe it belongs to
+  bool is_key_frame = false;
+  std::vector<DopplerReturn> returns;
+};
+
+/// All scans of one radar in time order.
+struct LoadedRadar {
+  std::string channel;
+  Eigen::Isometry3d T_base_from_sensor = Eigen::Isometry3d::Identity();
+  std::vector<LoadedScan> scans;
+
+  RadarScan scan(std::size_t index) const {
+    return {&scans[index].returns, T_base_from_sensor, scans[index].time, nullptr};
+  }
+};
+
+/// What the evaluation needs of a scene.
+struct RadarScene {
+  std::vector<LoadedRadar> radars;
+  std::vector<double> keyframe_times;            ///< s
+  std::vector<dataset::Index> keyframe_samples;  ///< rows, by keyframe
+  PoseTrack truth;
+  std::vector<dataset::CanVehicleInfo> wheels;
+};
+
+/// Reads the scans of `channels` (empty = every radar), the poses and the wheel speeds of a scene.
+/// @throws dataset::DatasetError for unreadable files, a channel that is no radar of the scene, or
+///         a scene with fewer than two poses.
+RadarScene loadRadarScene(const dataset::Tables& tables, dataset::Index scene,
+                          const std::vector<std::string>& channels, const ExtractionParams& extraction);
+
+}  // namespace radar_dot::evaluation
