@@ -98,6 +98,7 @@ std::vector<StampedVelocity> estimateSweeps(const RadarScene& scene, const Veloc
       ++report.sweeps_refused;
       continue;
     }
+    if (!result.fully_observed) continue;  // a single radar at the start of a scene
     tracker.add(trigger.time, result.linear);
     velocities.push_back({trigger.time, result.linear, result.angular, result.covariance});
   }

@@ -30,6 +30,27 @@ ModelAxes axesOf(MotionModel model) noexcept {
   return {2, {0, 1, 0}};
 }
 
+/// Moves a solution along the free directions to the member of its family with the least sideslip
+/// and vertical velocity (and, after them, the least forward velocity and yaw rate). The returns
+/// cannot tell the members apart; a vehicle on wheels is most likely near this one.
+Parameters plausibleMember(const ModelAxes& model, const Eigen::Matrix3d& basis, int rank, const Parameters& solution) {
+  const int free = model.count - rank;
+  if (free <= 0) return solution;
+  constexpr double kLightWeight = 1e-4;
+  Eigen::Vector3d weight = Eigen::Vector3d::Zero();
+  for (int k = 0; k < model.count; ++k) {
+    const int axis = model.axes[static_cast<std::size_t>(k)];
+    weight[k] = axis == 1 || axis == 2 ? 1.0 : kLightWeight;
+  }
+  using Free = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 2>;
+  const Free directions = basis.middleCols(rank, free);
+  const Free weighted = weight.asDiagonal() * directions;
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2, 2> normal = directions.transpose() * weighted;
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1> gradient = weighted.transpose() * solution;
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1> step = normal.ldlt().solve(gradient);
+  return solution - directions * step;
+}
+
 void requireParameter(bool condition, const char* message) {
   if (!condition) throw std::invalid_argument(message);
 }
@@ -272,7 +293,8 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params, co
                      .ldlt()
                      .solve(Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>::Identity(rank, rank));
   const Eigen::Matrix3d& basis = observability.basis;
-  const Parameters solution = basis.leftCols(rank) * reduced.head(rank);
+  const Parameters solution =
+      plausibleMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
   const Eigen::Matrix3d covariance = basis * reduced_covariance * basis.transpose();
 
   result.covariance = Eigen::Matrix<double, 6, 6>::Identity() * params.unobserved_variance;

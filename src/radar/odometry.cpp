@@ -84,7 +84,8 @@ Eigen::Vector3d AccelerationTracker::acceleration(double time) const {
     spread += offset * offset;
     slope += offset * (sample.linear - mean);
   }
-  return slope / spread;
+  const Eigen::Vector3d acceleration = slope / spread;
+  return acceleration.norm() <= kMaxAcceleration ? acceleration : Eigen::Vector3d::Zero();
 }
 
 }  // namespace radar_dot

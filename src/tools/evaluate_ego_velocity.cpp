@@ -15,6 +15,7 @@ namespace {
 
 using radar_dot::evaluation::VelocityEvaluationOptions;
 using radar_dot::evaluation::VelocityReport;
+using radar_dot::evaluation::writeFile;
 
 struct Arguments {
   std::string dataroot, version = "v1.0-mini", json, csv, model = "planar_yaw";
@@ -36,6 +37,12 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--threshold", arguments.options.estimator.segmentation.threshold,
                  "tau of the two passes, m/s")->capture_default_str();
+  radar_dot::EgoVelocityParams& estimator = arguments.options.estimator;
+  app.add_option("--inlier-threshold", estimator.inlier_threshold, "RANSAC inlier residual, m/s")->capture_default_str();
+  app.add_option("--iterations", estimator.ransac_iterations, "RANSAC hypotheses")->capture_default_str();
+  app.add_option("--seed", estimator.seed, "Seed of RANSAC")->capture_default_str();
+  app.add_option("--doppler-std", estimator.doppler_std, "1 sigma of a Doppler velocity, m/s")->capture_default_str();
+  app.add_option("--azimuth-std", estimator.azimuth_std, "1 sigma of a bearing, rad")->capture_default_str();
   app.add_flag("--all-returns", arguments.all_returns, "Switch the nuScenes validity filters off");
   app.add_flag("--paper-labels", arguments.paper_labels, "Label by the residual threshold alone, without neighbours");
 }

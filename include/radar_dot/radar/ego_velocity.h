@@ -55,7 +55,7 @@ struct EgoVelocityParams {
   double inlier_threshold = 0.3;  ///< m/s; a return is a RANSAC inlier below it
   int robust_iterations = 10;     ///< largest number of reweighted solutions
   double doppler_std = 0.12;      ///< m/s, 1 sigma of one Doppler measurement: weights, covariance
-  double azimuth_std = 0.009;     ///< rad, 1 sigma of a bearing: its effect grows with the transverse speed
+  double azimuth_std = 0.0175;    ///< rad, 1 sigma of a bearing: its effect grows with the transverse speed
 
   int min_returns = 6;               ///< fewer accepted returns: refused
   double min_inlier_share = 0.25;    ///< of the accepted returns; less consensus: refused
@@ -91,6 +91,11 @@ enum class ReturnLabel : std::uint8_t { kStatic = 0, kDynamic = 1 };
 
 /// The vehicle's velocity in the base frame, and the residual and label of every return.
 /// Arrays run over all scans in the order they were given.
+///
+/// Where the returns leave directions free, they determine a family of velocities. Its member with
+/// the least sideslip is given, `observed` marks the axes that are not determined, and their
+/// variance is unobserved_variance along the free directions: what is determined jointly (the
+/// velocity at a single radar, say) stays well determined in the covariance.
 struct EgoVelocityResult {
   EstimateStatus status = EstimateStatus::kTooFewReturns;
   std::string reason;  ///< empty when valid; else one line with the figures

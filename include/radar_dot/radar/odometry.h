@@ -46,16 +46,18 @@ class VelocityIntegrator {
 };
 
 /// Acceleration of the vehicle from its recent velocity estimates: the slope of a straight line
-/// through those of the last `window` seconds. Brings unsynchronised scans to one time.
+/// through those of the last `window` seconds. Brings unsynchronised scans to one time. Only fully
+/// observed velocities belong in it.
 class AccelerationTracker {
  public:
   explicit AccelerationTracker(double window = 0.5) : window_(window) {}
   /// Adds a velocity (m/s, base frame) at `time` (s). Going back in time starts anew.
   void add(double time, const Eigen::Vector3d& linear);
-  /// m/s^2, base frame, near `time`; zero until three velocities cover a quarter of the window, or when the
-  /// newest is older than the window.
+  /// m/s^2, base frame, near `time`; zero until three velocities cover a quarter of the window, when
+  /// the newest is older than the window, or when the slope is beyond what tyres can do (kMaxAcceleration).
   Eigen::Vector3d acceleration(double time) const;
   void reset() { history_.clear(); }
+  static constexpr double kMaxAcceleration = 12.0;  ///< m/s^2
 
  private:
   struct Sample {

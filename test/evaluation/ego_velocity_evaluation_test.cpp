@@ -1,0 +1,164 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/evaluation/ego_velocity_evaluation.h"
+
+#include <gtest/gtest.h>
+#include <rapidjson/document.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "fixtures/nuscenes_fixture.h"
+#include "radar_dot/evaluation/report.h"
+
+namespace radar_dot::evaluation {
+namespace {
+
+using test::NuscenesFixture;
+
+test::FixtureOptions longerDrive() {
+  test::FixtureOptions options;
+  options.samples_per_scene = 12;
+  return options;
+}
+
+class Evaluation : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    fixture_ = std::make_unique<NuscenesFixture>(longerDrive());
+    tables_ = std::make_unique<dataset::Tables>(dataset::Tables::load(fixture_->dataroot()));
+  }
+  static void TearDownTestSuite() {
+    tables_.reset();
+    fixture_.reset();
+  }
+  static VelocityReport evaluate(const char* scene, const VelocityEvaluationOptions& options = {}) {
+    return evaluateEgoVelocity(*tables_, tables_->findScene(scene), options);
+  }
+
+  static std::unique_ptr<NuscenesFixture> fixture_;
+  static std::unique_ptr<dataset::Tables> tables_;
+};
+std::unique_ptr<NuscenesFixture> Evaluation::fixture_;
+std::unique_ptr<dataset::Tables> Evaluation::tables_;
+
+// Exact Doppler: with the right model nothing is left but single precision.
+TEST_F(Evaluation, ExactRadarGivesExactFigures) {
+  for (const char* scene : {NuscenesFixture::kStraightScene, NuscenesFixture::kTurningScene}) {
+    const VelocityReport report = evaluate(scene);
+    EXPECT_EQ(report.frames, 11U);
+    EXPECT_EQ(report.refused, 0U);
+    EXPECT_EQ(report.sweeps_refused, 0U);
+    const ModelErrors& errors = report.models.at("planar_yaw");
+    EXPECT_LT(errors.vx.value(), 5e-3) << scene;
+    EXPECT_LT(errors.vy.value(), 5e-3) << scene;
+    EXPECT_LT(errors.yaw_rate.value(), 1e-3) << scene;
+    EXPECT_LT(report.gt_heading.driftPercent(), 0.05) << scene;
+    EXPECT_LT(report.own_heading.driftPercent(), 0.2) << scene;
+    EXPECT_LT(report.wheel_estimate.value(), 5e-3) << scene;
+  }
+}
+
+TEST_F(Evaluation, ThePapersOrderHoldsOnTheStraight) {
+  const VelocityReport report = evaluate(NuscenesFixture::kStraightScene);
+  EXPECT_LT(report.mae.at("A1").value(), 0.5 * report.mae.at("B1").value());
+  EXPECT_LT(report.mae.at("A2").value(), 1e-3);
+  EXPECT_LT(report.mae.at("robust").value(), 1e-3);
+}
+
+// Every return in the moving box is found; movers without a box are false alarms by definition.
+TEST_F(Evaluation, DynamicLabelsFindTheBox) {
+  const VelocityReport report = evaluate(NuscenesFixture::kStraightScene);
+  EXPECT_GT(report.dynamic.true_positives, 20U);
+  EXPECT_EQ(report.dynamic.false_negatives, 0U);
+  EXPECT_GT(report.dynamic.true_negatives, 1000U);
+  EXPECT_LE(report.dynamic_70m.true_positives + report.dynamic_70m.true_negatives,
+            report.dynamic.true_positives + report.dynamic.true_negatives);
+}
+
+// One forward radar cannot tell sideslip from yaw: no yaw-rate figure, but vx.
+TEST_F(Evaluation, OneRadarReportsWhatItCanSee) {
+  VelocityEvaluationOptions options;
+  options.channels = {"RADAR_FRONT"};
+  const VelocityReport report = evaluate(NuscenesFixture::kStraightScene, options);
+  EXPECT_EQ(report.refused, 0U);
+  EXPECT_LT(report.models.at("planar_yaw").vx.value(), 5e-3);
+  EXPECT_EQ(report.models.at("planar_yaw").yaw_rate.count, 0U);
+}
+
+TEST_F(Evaluation, AnUnknownChannelIsNamedWithTheRadarsAtHand) {
+  VelocityEvaluationOptions options;
+  options.channels = {"RADAR_REAR"};
+  try {
+    evaluate(NuscenesFixture::kStraightScene, options);
+    FAIL() << "accepted";
+  } catch (const dataset::DatasetError& error) {
+    EXPECT_NE(std::string(error.what()).find("RADAR_REAR"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("RADAR_FRONT_LEFT"), std::string::npos);
+  }
+}
+
+TEST_F(Evaluation, JsonHasTheDocumentedKeys) {
+  std::vector<VelocityReport> scenes = {evaluate(NuscenesFixture::kStraightScene),
+                                        evaluate(NuscenesFixture::kTurningScene)};
+  VelocityReport overall;
+  for (const auto& scene : scenes) overall += scene;
+  rapidjson::Document json;
+  json.Parse(formatJson(scenes, overall).c_str());
+  ASSERT_FALSE(json.HasParseError());
+  ASSERT_EQ(json["scenes"].Size(), 2U);
+  EXPECT_STREQ(json["scenes"][0]["scene"].GetString(), NuscenesFixture::kStraightScene);
+  for (const auto* report : {&json["scenes"][0], &json["scenes"][1], &json["overall"]}) {
+    for (const char* variant : {"B1", "A1", "B2", "A2"}) EXPECT_TRUE((*report)["mae"][variant].IsNumber()) << variant;
+    for (const char* key : {"vx_mae", "vy_mae", "yaw_rate_mae"}) {
+      EXPECT_TRUE((*report)["models"]["planar_yaw"][key].IsNumber()) << key;
+    }
+    EXPECT_TRUE((*report)["models"]["planar"]["yaw_rate_mae"].IsNull());
+    for (const char* heading : {"gt_heading", "own_heading"}) {
+      EXPECT_TRUE((*report)["trajectory"][heading]["ate_rmse"].IsNumber());
+      EXPECT_TRUE((*report)["trajectory"][heading]["drift_percent"].IsNumber());
+    }
+    for (const char* key : {"precision", "recall", "f1", "f1_70m"}) EXPECT_TRUE((*report)["dynamic"][key].IsNumber());
+  }
+  EXPECT_EQ(json["overall"]["frames"].GetUint64(), 22U);
+  EXPECT_EQ(json["overall"]["refused"].GetUint64(), 0U);
+}
+
+TEST_F(Evaluation, CsvHasOneRowPerSceneAndOneOverall) {
+  const VelocityReport report = evaluate(NuscenesFixture::kStraightScene);
+  std::istringstream text(formatCsv({report}, report));
+  std::string line;
+  std::vector<std::size_t> columns;
+  while (std::getline(text, line)) {
+    columns.push_back(static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')));
+  }
+  ASSERT_EQ(columns.size(), 3U);
+  EXPECT_EQ(columns[0], columns[1]);
+  EXPECT_EQ(columns[0], columns[2]);
+}
+
+// The bars of the method on real radar, so that no change loses them unnoticed.
+TEST(RealData, MeetsItsFigures) {
+  const std::filesystem::path dataroot = std::filesystem::path(RADAR_DOT_SHARED_DATA) / "nuscenes_mini_real";
+  if (!std::filesystem::exists(dataroot)) GTEST_SKIP() << "no real data under " << dataroot;
+  const dataset::Tables tables = dataset::Tables::load(dataroot);
+  VelocityReport overall;
+  for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
+    overall += evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene));
+  }
+  EXPECT_LT(overall.mae.at("A1").value(), 0.6 * overall.mae.at("B1").value());
+  double best = 1e9;
+  for (const auto& [variant, error] : overall.mae) best = std::min(best, error.value());
+  EXPECT_LE(best, 0.115);
+  EXPECT_LE(overall.models.at("planar_yaw").vx.value(), 0.057);
+  EXPECT_LE(overall.models.at("planar_yaw").yaw_rate.value(), 0.015);
+  EXPECT_GE(overall.dynamic_70m.f1(), 0.82);
+  EXPECT_GE(overall.dynamic.f1(), 0.77);
+  EXPECT_LE(overall.gt_heading.driftPercent(), 1.0);
+  EXPECT_EQ(overall.refused, 0U);
+}
+
+}  // namespace
+}  // namespace radar_dot::evaluation

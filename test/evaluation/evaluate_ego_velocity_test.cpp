@@ -1,0 +1,87 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "fixtures/nuscenes_fixture.h"
+
+namespace radar_dot {
+namespace {
+
+struct Outcome {
+  int exit_code = -1;
+  std::string text;  ///< stdout and stderr
+};
+
+Outcome runTool(const std::string& arguments) {
+  Outcome outcome;
+  FILE* pipe = popen((std::string(TOOL) + " " + arguments + " 2>&1").c_str(), "r");
+  std::array<char, 4096> buffer{};
+  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe)) outcome.text.append(buffer.data(), count);
+  outcome.exit_code = WEXITSTATUS(pclose(pipe));
+  return outcome;
+}
+
+class EvaluateEgoVelocity : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { fixture_ = std::make_unique<test::NuscenesFixture>(); }
+  static void TearDownTestSuite() { fixture_.reset(); }
+  static std::string dataroot() { return "--dataroot " + fixture_->dataroot().string(); }
+  static std::unique_ptr<test::NuscenesFixture> fixture_;
+};
+std::unique_ptr<test::NuscenesFixture> EvaluateEgoVelocity::fixture_;
+
+TEST_F(EvaluateEgoVelocity, WritesTableJsonAndCsv) {
+  const std::filesystem::path json = fixture_->dataroot() / "out.json";
+  const std::filesystem::path csv = fixture_->dataroot() / "out.csv";
+  const Outcome outcome = runTool(dataroot() + " --scenes scene-0001,scene-0002 --json " + json.string() + " --csv " +
+                                  csv.string());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("overall"), std::string::npos);
+  EXPECT_GT(std::filesystem::file_size(json), 1000U);
+  EXPECT_GT(std::filesystem::file_size(csv), 300U);
+  EXPECT_FALSE(std::filesystem::exists(json.string() + ".partial"));
+}
+
+/// One line that starts with the tool's name and holds `part`; exit code not zero.
+void expectRefusal(const std::string& arguments, const std::string& part) {
+  const Outcome outcome = runTool(arguments);
+  EXPECT_NE(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.text.rfind("evaluate_ego_velocity: ", 0), 0U) << outcome.text;
+  EXPECT_NE(outcome.text.find(part), std::string::npos) << outcome.text;
+  EXPECT_EQ(std::count(outcome.text.begin(), outcome.text.end(), '\n'), 1) << outcome.text;
+}
+
+TEST_F(EvaluateEgoVelocity, BadInputGetsOneLineAndANonZeroExit) {
+  expectRefusal("--dataroot /nowhere", "/nowhere");
+  expectRefusal(dataroot() + " --version v9.9", "v9.9");
+  expectRefusal(dataroot() + " --scenes scene-9999", "scene-9999");
+  expectRefusal(dataroot() + " --channels RADAR_ROOF", "RADAR_ROOF");
+  expectRefusal(dataroot() + " --model bicycle", "planar_yaw");
+}
+
+TEST_F(EvaluateEgoVelocity, AnUnwritableOutputIsNamed) {
+  const Outcome outcome = runTool(dataroot() + " --json /nowhere/out.json");
+  EXPECT_NE(outcome.exit_code, 0);
+  EXPECT_NE(outcome.text.find("evaluate_ego_velocity: /nowhere/out.json"), std::string::npos) << outcome.text;
+}
+
+TEST_F(EvaluateEgoVelocity, ATruncatedPcdIsNamed) {
+  const test::NuscenesFixture broken;
+  for (const auto& entry : std::filesystem::directory_iterator(broken.dataroot() / "samples" / "RADAR_FRONT")) {
+    std::filesystem::resize_file(entry.path(), 700);
+  }
+  const Outcome outcome = runTool("--dataroot " + broken.dataroot().string());
+  EXPECT_NE(outcome.exit_code, 0);
+  EXPECT_NE(outcome.text.find("RADAR_FRONT"), std::string::npos) << outcome.text;
+  EXPECT_NE(outcome.text.find("record"), std::string::npos) << outcome.text;
+}
+
+}  // namespace
+}  // namespace radar_dot
