@@ -1,0 +1,199 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/dataset/instance_masks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "json_records.h"
+
+namespace radar_dot::dataset {
+namespace {
+
+constexpr int kMaxSide = 1 << 15;  ///< px
+constexpr std::size_t kMinPolygonNumbers = 6;
+
+enum Field : std::size_t {
+  kToken,
+  kSampleData,
+  kFilename,
+  kBox,
+  kCategory,
+  kMask,
+  kAttributes,
+  kInstance,
+  kVisibility
+};
+
+std::filesystem::path maskFile(const Tables& tables) {
+  return tables.dataroot() / tables.version() / "nuinsseg.json";
+}
+
+/// One side of {"size": [rows, columns]}.
+int sideOf(const Record& record, const JsonValue& side) {
+  if (!side.isNumber() || !(side.number() >= 1.0 && side.number() <= kMaxSide))
+    record.fail(kMask, fmt::format("must have a size of two numbers in 1..{}", kMaxSide));
+  return static_cast<int>(side.number());
+}
+
+/// Run lengths as plain numbers.
+RunLengthMask plainRunLengths(const Record& record, const JsonValue& counts, int rows, int columns) {
+  RunLengthMask mask{rows, columns, {}};
+  std::uint64_t sum = 0;
+  const auto area = static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(columns);
+  for (const JsonValue& run : counts.items()) {
+    if (!run.isNumber() || !(run.number() >= 0.0 && run.number() <= static_cast<double>(area)))
+      record.fail(kMask, "has a run length that does not fit its size");
+    mask.counts.push_back(static_cast<std::uint32_t>(run.number()));
+    sum += mask.counts.back();
+  }
+  if (sum != area)
+    record.fail(kMask, fmt::format("has run lengths that add up to {}, not to {} x {}", sum, rows, columns));
+  return mask;
+}
+
+RunLengthMask runLengthsOf(const Record& record, const JsonValue& value) {
+  JsonValue size = value;
+  JsonValue counts = value;
+  if (!value.member("size", size) || !value.member("counts", counts))
+    record.fail(kMask, "has a part without size or counts");
+  const std::vector<JsonValue> sides = size.items();
+  if (sides.size() != 2) record.fail(kMask, "must have a size of two numbers");
+  const int rows = sideOf(record, sides[0]);
+  const int columns = sideOf(record, sides[1]);
+  if (counts.isList()) return plainRunLengths(record, counts, rows, columns);
+  if (!counts.isText()) record.fail(kMask, "must have counts that are a text or a list of numbers");
+  try {
+    return parseRunLengths(counts.text(), rows, columns);
+  } catch (const std::invalid_argument& error) {
+    record.fail(kMask, fmt::format("cannot be decoded: {}", error.what()));
+  }
+}
+
+Polygon polygonOf(const Record& record, const JsonValue& value) {
+  Polygon polygon;
+  for (const JsonValue& number : value.items()) {
+    if (!number.isNumber() || !(std::abs(number.number()) <= kMaxSide))
+      record.fail(kMask,
+                  fmt::format("has a polygon with a coordinate that is no number within +-{}", kMaxSide));
+    polygon.push_back(number.number());
+  }
+  if (polygon.size() < kMinPolygonNumbers || polygon.size() % 2 != 0)
+    record.fail(kMask, fmt::format("has a polygon of {} numbers; x y pairs of 3 or more corners are needed",
+                                   polygon.size()));
+  return polygon;
+}
+
+void readMask(const Record& record, InstanceMask& row) {
+  const JsonValue value = record.value(kMask);
+  if (!value.isObject() && !value.isList())
+    record.fail(kMask, "must be run lengths {size, counts}, a list of those or a list of polygons");
+  const std::vector<JsonValue> parts = value.isList() ? value.items() : std::vector<JsonValue>{value};
+  std::vector<RunLengthMask> runs;
+  std::vector<Polygon> polygons;
+  for (const JsonValue& part : parts) {
+    if (part.isObject())
+      runs.push_back(runLengthsOf(record, part));
+    else if (part.isList())
+      polygons.push_back(polygonOf(record, part));
+    else
+      record.fail(kMask, "must hold run lengths {size, counts} or polygons");
+    if (!runs.empty() &&
+        (runs.back().rows != runs.front().rows || runs.back().columns != runs.front().columns))
+      record.fail(kMask, "has parts of unequal size");
+  }
+  if (!runs.empty() && !polygons.empty()) record.fail(kMask, "mixes run lengths and polygons");
+  if (runs.empty())
+    row.mask = std::move(polygons);
+  else
+    row.mask = std::move(runs);
+}
+
+bool endsWith(std::string_view text, std::string_view end) {
+  return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
+}
+
+cv::Mat emptyCanvas() { return cv::Mat::zeros(kMaskRows, kMaskColumns, CV_8UC1); }
+
+cv::Size canvasOf(const InstanceMask& instance) {
+  const auto* runs = std::get_if<std::vector<RunLengthMask>>(&instance.mask);
+  if (runs == nullptr || runs->empty()) return {kMaskColumns, kMaskRows};
+  return {runs->front().columns, runs->front().rows};
+}
+
+void unite(cv::Mat& canvas, const cv::Mat& part) {
+  if (part.size() != canvas.size())
+    throw std::invalid_argument(fmt::format("masks of {}x{} and {}x{} pixels cannot be united", canvas.cols,
+                                            canvas.rows, part.cols, part.rows));
+  cv::bitwise_or(canvas, part, canvas);
+}
+
+}  // namespace
+
+bool hasInstanceMasks(const Tables& tables) { return std::filesystem::exists(maskFile(tables)); }
+
+std::vector<InstanceMask> readInstanceMasks(Tables& tables, const std::filesystem::path& file) {
+  const std::filesystem::path source = file.empty() ? maskFile(tables) : file;
+  const std::string label = file.empty() ? tables.version() + "/nuinsseg.json" : file.string();
+  std::vector<InstanceMask> rows;
+  readRecords(source, label,
+              {"token", "sample_data_token", "filename", "bbox_corners", "category_name", "instance_mask",
+               "attribute_tokens", "instance_token", "visibility_token"},
+              [&](const Record& record) {
+                const Token reading = tables.tokens.find(record.text(kSampleData));
+                if (tables.findReading(reading) == kNone) return;
+                InstanceMask& row = rows.emplace_back();
+                row.token = tables.tokens.intern(record.text(kToken));
+                row.sample_data_token = reading;
+                row.filename = record.text(kFilename);
+                row.bounding_box = record.numbers<4>(kBox);
+                row.category_name = record.text(kCategory);
+                for (const std::string_view token : record.texts(kAttributes))
+                  row.attribute_tokens.push_back(tables.tokens.intern(token));
+                row.instance_token = tables.tokens.intern(record.text(kInstance));
+                if (record.has(kVisibility))
+                  row.visibility_token = tables.tokens.intern(record.text(kVisibility));
+                readMask(record, row);
+              });
+  return rows;
+}
+
+cv::Mat decodeMask(const InstanceMask& instance) {
+  cv::Mat canvas = cv::Mat::zeros(canvasOf(instance), CV_8UC1);
+  if (const auto* runs = std::get_if<std::vector<RunLengthMask>>(&instance.mask)) {
+    for (const RunLengthMask& part : *runs) unite(canvas, decodeMask(part));
+    return canvas;
+  }
+  for (const Polygon& polygon : std::get<std::vector<Polygon>>(instance.mask)) {
+    std::vector<cv::Point> corners;
+    for (std::size_t i = 0; i + 1 < polygon.size(); i += 2)
+      corners.emplace_back(static_cast<int>(std::lround(polygon[i])),
+                           static_cast<int>(std::lround(polygon[i + 1])));
+    // One call each: polygons of one call would cut holes where they overlap.
+    cv::fillPoly(canvas, std::vector<std::vector<cv::Point>>{corners}, cv::Scalar(255));
+  }
+  return canvas;
+}
+
+bool isMoving(const Tables& tables, const InstanceMask& instance) {
+  return std::any_of(tables.attributes.begin(), tables.attributes.end(), [&](const Attribute& attribute) {
+    const auto& tokens = instance.attribute_tokens;
+    return (endsWith(attribute.name, ".moving") || attribute.name == "cycle.with_rider") &&
+           std::find(tokens.begin(), tokens.end(), attribute.token) != tokens.end();
+  });
+}
+
+cv::Mat dynamicMask(const Tables& tables, const std::vector<const InstanceMask*>& instances) {
+  cv::Mat canvas =
+      instances.empty() ? emptyCanvas() : cv::Mat(cv::Mat::zeros(canvasOf(*instances.front()), CV_8UC1));
+  for (const InstanceMask* instance : instances)
+    if (isMoving(tables, *instance)) unite(canvas, decodeMask(*instance));
+  return canvas;
+}
+
+}  // namespace radar_dot::dataset

@@ -54,14 +54,16 @@ struct InstanceMask {
 inline constexpr int kMaskRows = 900;
 inline constexpr int kMaskColumns = 1600;
 
-/// Reads dataroot/version/nuinsseg.json (or `file` when given); the tokens join `tables.tokens`.
+/// Reads dataroot/version/nuinsseg.json (or `file` when given); the tokens join `tables.tokens`. Rows of
+/// readings that the tables do not hold (other scenes, other parts of the dataset) are left out.
 /// @throws DatasetError naming file, record and field.
 std::vector<InstanceMask> readInstanceMasks(Tables& tables, const std::filesystem::path& file = {});
 
 /// True where tables/version/nuinsseg.json exists.
 bool hasInstanceMasks(const Tables& tables);
 
-/// Union of an instance's parts, CV_8UC1 0 or 255.
+/// Union of an instance's parts, CV_8UC1 0 or 255. A polygon's corners are rounded to pixels and its
+/// border belongs to it. @throws std::invalid_argument for run lengths that do not fit their size.
 cv::Mat decodeMask(const InstanceMask& instance);
 
 /// Does the instance move: an attribute "*.moving" or "cycle.with_rider".

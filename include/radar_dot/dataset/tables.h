@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "radar_dot/dataset/token.h"
+#include "radar_dot/dataset/token_index.h"
 
 namespace radar_dot::dataset {
 
@@ -143,7 +144,8 @@ struct SampleAnnotation {
 struct LoadOptions {
   std::string version = "v1.0-mini";
   /// Scene names; empty = all. Rows of other scenes are skipped while reading, which makes loading
-  /// one scene of the full dataset cheap in memory.
+  /// one scene of the full dataset cheap in memory: the tables then hold these scenes and nothing of
+  /// any other (but all sensors, calibrations, logs, maps and names).
   std::vector<std::string> scenes;
   bool annotations = true;  ///< sample_annotation and instance
 };
@@ -154,7 +156,8 @@ class Tables {
   /// Reads `dataroot/version/*.json`, streaming.
   /// @throws DatasetError for a missing dataroot or table, malformed JSON (file and byte), a missing
   ///         or mistyped field (file, record, field), a reference to a token that does not exist
-  ///         (file, record, field, token), or a scene name that does not exist (with the names).
+  ///         (file, record, field, token), a token used twice, or a scene name that does not exist (with the
+  ///         names). Records are counted from 0.
   static Tables load(const std::filesystem::path& dataroot, const LoadOptions& options = {});
 
   const std::filesystem::path& dataroot() const noexcept { return dataroot_; }
@@ -201,8 +204,8 @@ class Tables {
 
   std::filesystem::path dataroot_;
   std::string version_;
-  std::string filenames_;  ///< all file names, back to back
-  std::vector<std::pair<Token, Index>> reading_by_token_;       ///< sorted
+  std::string filenames_;                                       ///< all file names, back to back
+  TokenIndex reading_by_token_;                                 ///< of sample_data
   std::vector<std::pair<Index, Index>> readings_by_scene_;      ///< (scene, reading), sorted by scene, time
   std::vector<std::pair<Index, Index>> annotations_by_sample_;  ///< (sample, annotation), sorted
 };

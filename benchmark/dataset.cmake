@@ -1,0 +1,10 @@
+# Reading nuScenes files. The benchmarks make their own data, so they need the test fixtures.
+if(TARGET radar_dot_test_fixtures)
+  radar_dot_benchmark(dataset_benchmark dataset_benchmark.cpp LINK radar_dot_test_fixtures radar_dot_dataset)
+  target_compile_definitions(dataset_benchmark PRIVATE RADAR_DOT_SHARED_DATA="${RADAR_DOT_SHARED_DATA}")
+endif()
+
+# Not a google-benchmark: one load of tables as large as those of v1.0-trainval, and its memory.
+add_executable(large_tables_benchmark large_tables_benchmark.cpp)
+radar_dot_configure(large_tables_benchmark)
+target_link_libraries(large_tables_benchmark PRIVATE radar_dot_dataset CLI11::CLI11 fmt::fmt)
