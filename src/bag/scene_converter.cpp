@@ -1,0 +1,214 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/bag/scene_converter.h"
+
+#include <fmt/format.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "radar_dot/bag/messages.h"
+#include "radar_dot/dataset/point_files.h"
+#include "rows.h"
+#include "scene_content.h"
+
+namespace radar_dot::bag {
+namespace {
+
+namespace fs = std::filesystem;
+using dataset::Index;
+using dataset::Tables;
+
+constexpr char kNodeName[] = "/nuscenes_to_bag";
+
+[[noreturn]] void failReading(const fs::path& file, int cause) {
+  throw dataset::DatasetError(
+      fmt::format("cannot read {}: {}", file.string(), std::generic_category().message(cause)));
+}
+
+std::uintmax_t sizeOf(const fs::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  if (error) failReading(file, error.value());
+  return size;
+}
+
+void readBytes(const fs::path& file, std::vector<std::uint8_t>& bytes) {
+  bytes.resize(sizeOf(file));
+  errno = 0;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
+  if (!stream || std::fread(bytes.data(), 1, bytes.size(), stream.get()) != bytes.size()) {
+    failReading(file, errno != 0 ? errno : EIO);
+  }
+}
+
+/// `<folder>/<scene>.bag`. The name comes from a file: it must not lead out of the folder.
+fs::path bagPath(const Tables& tables, Index scene, const fs::path& folder) {
+  const std::string& name = at(tables.scenes, scene).name;
+  if (name.empty() || name.find('/') != std::string::npos) {
+    throw dataset::DatasetError(
+        fmt::format("scene.json, record {}, field name: \"{}\" cannot name a bag file", scene, name));
+  }
+  return folder / (name + ".bag");
+}
+
+/// What `rosbag play` looks for to latch a topic again.
+boost::shared_ptr<ros::M_string> latchedTfHeader() {
+  auto header = boost::make_shared<ros::M_string>();
+  (*header)["callerid"] = kNodeName;
+  (*header)["latching"] = "1";
+  (*header)["topic"] = "/tf_static";
+  (*header)["type"] = ros::message_traits::DataType<tf2_msgs::TFMessage>::value();
+  (*header)["md5sum"] = ros::message_traits::MD5Sum<tf2_msgs::TFMessage>::value();
+  (*header)["message_definition"] = ros::message_traits::Definition<tf2_msgs::TFMessage>::value();
+  return header;
+}
+
+/// Turns the events of one scene into messages of its bag.
+class SceneWriter {
+ public:
+  SceneWriter(const Tables& tables, const SceneContent& content, BagFile& bag)
+      : tables_(tables), content_(content), bag_(bag) {}
+
+  void writeMounts(const ros::Time& start);
+  void write(const Event& event);
+
+  std::size_t readings() const noexcept { return readings_; }
+  std::size_t radarFiles() const noexcept { return radar_files_; }
+  std::uintmax_t sensorBytes() const noexcept { return sensor_bytes_; }
+
+ private:
+  void writeReading(Index reading);
+  void writeCloud(const dataset::SampleData& reading, PointCloud&& cloud, const std::string& frame);
+  void writeImage(const dataset::SampleData& reading, const std::string& frame);
+  void writeCameraInfo(const dataset::SampleData& reading, const std::string& frame);
+  void writeMask(Index reading);
+
+  const Tables& tables_;
+  const SceneContent& content_;
+  BagFile& bag_;
+  sensor_msgs::CompressedImage image_;  // its memory serves all pictures
+  std::size_t readings_ = 0;
+  std::size_t radar_files_ = 0;
+  std::uintmax_t sensor_bytes_ = 0;
+};
+
+void SceneWriter::writeMounts(const ros::Time& start) {
+  tf2_msgs::TFMessage mounts;
+  for (const Index reading : content_.mounts) {
+    const dataset::SampleData& row = at(tables_.sample_data, reading);
+    mounts.transforms.push_back(toTransform(at(tables_.calibrated_sensors, row.calibrated_sensor),
+                                            frameOf(tables_.channelOf(row)), start));
+  }
+  bag_.write("/tf_static", start, mounts, latchedTfHeader());
+}
+
+void SceneWriter::write(const Event& event) {
+  const ros::Time time = toTime(event.time_us);
+  switch (event.kind) {
+    case EventKind::kEgoPose:
+      bag_.write(
+          "/ground_truth/odom", time,
+          toOdometry(at(tables_.ego_poses, content_.poses[event.index]), content_.twists[event.index]));
+      break;
+    case EventKind::kBoxes:
+      bag_.write("/ground_truth/boxes", time, toBoxes(tables_, content_.keyframes[event.index]));
+      break;
+    case EventKind::kImu: bag_.write("/can/imu", time, toImu(content_.can.imu[event.index])); break;
+    case EventKind::kWheelSpeed:
+      bag_.write("/can/wheel_speed", time, toWheelSpeed(content_.can.vehicle[event.index]));
+      break;
+    case EventKind::kReading:
+      writeReading(content_.readings[event.index]);
+      ++readings_;
+      break;
+    case EventKind::kMask: writeMask(static_cast<Index>(event.index)); break;
+  }
+}
+
+void SceneWriter::writeReading(Index reading) {
+  const dataset::SampleData& row = at(tables_.sample_data, reading);
+  const dataset::CalibratedSensor& mount = at(tables_.calibrated_sensors, row.calibrated_sensor);
+  const std::string frame = frameOf(tables_.channelOf(row));
+  switch (at(tables_.sensors, mount.sensor).modality) {
+    case dataset::Modality::kRadar:
+      writeCloud(row, dataset::readPcd(tables_.path(row)), frame);
+      ++radar_files_;
+      break;
+    case dataset::Modality::kLidar: writeCloud(row, dataset::readLidarBin(tables_.path(row)), frame); break;
+    case dataset::Modality::kCamera:
+      writeImage(row, frame);
+      writeCameraInfo(row, frame);
+      break;
+    case dataset::Modality::kOther: break;
+  }
+}
+
+void SceneWriter::writeCloud(const dataset::SampleData& reading, PointCloud&& cloud,
+                             const std::string& frame) {
+  const ros::Time stamp = toTime(reading.timestamp_us);
+  bag_.write("/" + frame, stamp, toPointCloud2(std::move(cloud), frame, stamp));
+  sensor_bytes_ += sizeOf(tables_.path(reading));
+}
+
+void SceneWriter::writeImage(const dataset::SampleData& reading, const std::string& frame) {
+  const fs::path file = tables_.path(reading);
+  image_.header.stamp = toTime(reading.timestamp_us);
+  image_.header.frame_id = frame;
+  image_.format = file.extension() == ".png" ? "png" : "jpeg";
+  readBytes(file, image_.data);
+  bag_.write("/" + frame + "/image/compressed", image_.header.stamp, image_);
+  sensor_bytes_ += image_.data.size();
+}
+
+void SceneWriter::writeCameraInfo(const dataset::SampleData& reading, const std::string& frame) {
+  const ros::Time stamp = toTime(reading.timestamp_us);
+  bag_.write("/" + frame + "/camera_info", stamp,
+             toCameraInfo(at(tables_.calibrated_sensors, reading.calibrated_sensor), reading, frame, stamp));
+}
+
+void SceneWriter::writeMask(Index reading) {
+  const dataset::SampleData& row = at(tables_.sample_data, reading);
+  const std::string frame = frameOf(tables_.channelOf(row));
+  const ros::Time stamp = toTime(row.timestamp_us);
+  // A mask is of use without its image, but not without the camera's intrinsics.
+  const bool has_image =
+      std::find(content_.readings.begin(), content_.readings.end(), reading) != content_.readings.end();
+  if (!has_image) writeCameraInfo(row, frame);
+  bag_.write("/ground_truth/dynamic_mask/compressed", stamp,
+             toDynamicMask(tables_, content_.masks.at(reading), frame, stamp));
+}
+
+}  // namespace
+
+ConvertSummary convertScene(const Tables& tables, Index scene, const fs::path& folder,
+                            const ConvertOptions& options, const ProgressCallback& progress) {
+  const SceneContent content = collectContent(tables, scene, options);
+  const std::vector<Event> events = schedule(tables, content);
+  BagFile bag(bagPath(tables, scene, folder), options.compression, options.overwrite);
+  SceneWriter writer(tables, content, bag);
+  // Readers of a bag do not order messages of the same time: a microsecond keeps the mounts first.
+  writer.writeMounts(toTime(events.front().time_us - 1));
+  for (const Event& event : events) {
+    writer.write(event);
+    if (progress) progress(writer.readings(), content.readings.size());
+  }
+  ConvertSummary summary;
+  summary.bag_bytes = bag.commit();
+  summary.file = bag.path();
+  summary.messages = bag.messages();
+  summary.radar_files = writer.radarFiles();
+  summary.sensor_bytes = writer.sensorBytes();
+  summary.missing = content.missing;
+  return summary;
+}
+
+}  // namespace radar_dot::bag

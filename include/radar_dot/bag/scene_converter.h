@@ -10,18 +10,26 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/bag/bag_file.h"
+#include "radar_dot/dataset/instance_masks.h"
 #include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::bag {
-
-enum class Compression : std::uint8_t { kNone, kLz4, kBz2 };
 
 /// Parameters of convertScene.
 struct ConvertOptions {
   std::vector<std::string> channels;  ///< empty = every channel the scene has
   Compression compression = Compression::kNone;
   bool overwrite = false;
-  bool masks = true;  ///< ground-truth dynamic masks, where nuinsseg.json is there
+  /// What dataset::readInstanceMasks gave, for the ground-truth dynamic masks, which go with
+  /// CAM_FRONT; nullptr = no masks.
+  const std::vector<dataset::InstanceMask>* masks = nullptr;
+};
+
+/// Sensor files the tables list.
+struct FileCount {
+  std::size_t missing = 0;  ///< of them, not on disk
+  std::size_t listed = 0;
 };
 
 /// What a conversion did.
@@ -31,17 +39,33 @@ struct ConvertSummary {
   std::size_t radar_files = 0;
   std::uintmax_t sensor_bytes = 0;  ///< of the sensor files put into the bag
   std::uintmax_t bag_bytes = 0;
-  /// Files the tables list and the disk lacks, by channel: (missing, listed).
-  std::map<std::string, std::pair<std::size_t, std::size_t>> missing;
+  std::map<std::string, FileCount> missing;  ///< by channel, where at least one file is missing
 };
 
-/// Called with the readings done and the readings in all.
+/// Called with the readings done and the readings in all. An exception it throws ends the
+/// conversion and passes through; nothing stays behind.
 using ProgressCallback = std::function<void(std::size_t, std::size_t)>;
 
-/// Writes one scene to `folder/<scene>.bag`, messages in order of time. The bag appears under its
-/// name only when it is complete.
-/// @throws dataset::DatasetError for unreadable input; std::runtime_error with path and cause when
-///         the bag cannot be written or exists and may not be overwritten. Nothing stays behind.
+/// Writes one scene to `folder/<scene>.bag` (the folder is made when missing), messages in order
+/// of time, recorded at the time of their stamp:
+///
+///     /tf_static                             base_link -> every sensor; latched, 1 us before the rest
+///     /<radar channel>, /lidar_top           sensor_msgs/PointCloud2
+///     /<camera channel>/image/compressed     sensor_msgs/CompressedImage, bytes of the file
+///     /<camera channel>/camera_info          sensor_msgs/CameraInfo, with every image and mask
+///     /can/imu                               sensor_msgs/Imu, base_link
+///     /can/wheel_speed                       geometry_msgs/TwistWithCovarianceStamped, base_link
+///     /ground_truth/odom                     nav_msgs/Odometry map -> base_link, at every ego pose
+///     /ground_truth/boxes                    visualization_msgs/MarkerArray in map, at keyframes
+///     /ground_truth/dynamic_mask/compressed  sensor_msgs/CompressedImage, see ConvertOptions::masks
+///
+/// Topics and frames of sensors are the channels in lower case.
+/// Sensor files that are not on disk are left out and counted. The bag appears under its name only
+/// when it is complete.
+/// @throws dataset::DatasetError for unreadable input, or when none of the files is on disk;
+///         std::invalid_argument for a channel the dataset lacks, with those it has;
+///         std::runtime_error with path and cause when the bag cannot be written or exists and may
+///         not be overwritten. Nothing stays behind.
 ConvertSummary convertScene(const dataset::Tables& tables, dataset::Index scene,
                             const std::filesystem::path& folder, const ConvertOptions& options = {},
                             const ProgressCallback& progress = {});

@@ -1,0 +1,222 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/bag/bag_file.h"
+
+#include <gtest/gtest.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <iterator>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include "fixtures/files.h"
+
+namespace radar_dot::bag {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A limit on the size of files, while it lives: what a full disk is to a writer.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit limit = before_;
+    limit.rlim_cur = bytes;
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+/// Noise, which no compression makes smaller.
+sensor_msgs::CompressedImage picture(unsigned seed, std::size_t bytes) {
+  std::mt19937 random(seed);
+  sensor_msgs::CompressedImage image;
+  image.data.resize(bytes);
+  for (std::uint8_t& byte : image.data) byte = static_cast<std::uint8_t>(random() & 0xffU);
+  return image;
+}
+
+void writePictures(BagFile& bag, unsigned count, std::size_t bytes) {
+  for (unsigned i = 0; i < count; ++i) bag.write("/picture", ros::Time(1000 + i, 0), picture(i, bytes));
+}
+
+/// Does this process still hold a file of the folder open, deleted ones included?
+bool holdsFilesOf(const fs::path& folder) {
+  for (const fs::directory_entry& descriptor : fs::directory_iterator("/proc/self/fd")) {
+    std::error_code closed;
+    if (fs::read_symlink(descriptor.path(), closed).string().rfind(folder.string(), 0) == 0) return true;
+  }
+  return false;
+}
+
+/// The message of the runtime_error an action throws, or "" when it throws none.
+template <typename Action>
+std::string errorOf(Action&& action) {
+  try {
+    action();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(BagFile, AppearsOnlyWhenCommitted) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "new/folder/a.bag";
+  {
+    BagFile bag(file, Compression::kNone, false);
+    writePictures(bag, 3, 1000);
+    EXPECT_FALSE(fs::exists(file));
+    EXPECT_EQ(bag.messages(), 3U);
+    const std::uintmax_t bytes = bag.commit();
+    EXPECT_EQ(bytes, fs::file_size(file));
+  }
+  EXPECT_TRUE(fs::exists(file));
+  rosbag::Bag read(file.string());
+  EXPECT_EQ(rosbag::View(read).size(), 3U);
+}
+
+TEST(BagFile, LeavesNothingWithoutACommit) {
+  const test::TemporaryFolder folder;
+  {
+    BagFile bag(folder.path() / "a.bag", Compression::kNone, false);
+    writePictures(bag, 20, 1U << 20U);
+    EXPECT_FALSE(fs::is_empty(folder.path())) << "the bag grows elsewhere: this test sees nothing";
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(BagFile, OverwritesOnlyWhenAllowed) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "a.bag";
+  test::writeFile(file, "precious");
+  const std::string error = errorOf([&] { BagFile(file, Compression::kNone, false); });
+  EXPECT_NE(error.find(file.string()), std::string::npos) << error;
+  EXPECT_NE(error.find("exists already"), std::string::npos) << error;
+  EXPECT_EQ(test::readFile(file), "precious");
+
+  // A conversion that fails leaves the old bag as it was.
+  { BagFile abandoned(file, Compression::kNone, true); }
+  EXPECT_EQ(test::readFile(file), "precious");
+
+  BagFile bag(file, Compression::kNone, true);
+  writePictures(bag, 1, 10);
+  bag.commit();
+  rosbag::Bag read(file.string());
+  EXPECT_EQ(rosbag::View(read).size(), 1U);
+}
+
+TEST(BagFile, RefusesToReplaceABagThatAppearedMeanwhile) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "a.bag";
+  BagFile bag(file, Compression::kNone, false);
+  writePictures(bag, 1, 10);
+  test::writeFile(file, "precious");
+  EXPECT_NE(errorOf([&] { bag.commit(); }).find("exists"), std::string::npos);
+  EXPECT_EQ(test::readFile(file), "precious");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);
+}
+
+TEST(BagFile, NamesThePathThatCannotBeWritten) {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder.path() / "file", "a regular file is no folder");
+  const fs::path below_file = folder.path() / "file/a.bag";
+  const std::string error = errorOf([&] { BagFile(below_file, Compression::kNone, false); });
+  EXPECT_NE(error.find(below_file.string()), std::string::npos) << error;
+  EXPECT_NE(error.find("Not a directory"), std::string::npos) << error;
+
+  const std::string proc = errorOf([] { BagFile("/proc/a.bag", Compression::kNone, false); });
+  EXPECT_NE(proc.find("/proc/a.bag"), std::string::npos) << proc;
+  EXPECT_EQ(proc.find('\n'), std::string::npos) << proc;
+
+  fs::create_directory(folder.path() / "folder.bag");
+  const std::string directory =
+      errorOf([&] { BagFile(folder.path() / "folder.bag", Compression::kNone, true); });
+  EXPECT_NE(directory.find("Is a directory"), std::string::npos) << directory;
+}
+
+class BagFileOnAFullDisk : public testing::TestWithParam<Compression> {};
+
+// The limit strikes within a chunk, at the end of one, or only in the index that closing writes.
+TEST_P(BagFileOnAFullDisk, FailsWithTheCauseAndLeavesNothing) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "a.bag";
+  for (const rlim_t limit : {0U, 4000U, 100'000U, 4'200'000U, 4'400'000U}) {
+    std::string error;
+    {
+      const FileSizeLimit full(limit);
+      error = errorOf([&] {
+        BagFile bag(file, GetParam(), false);
+        writePictures(bag, 48, 100'000);
+        bag.commit();
+      });
+    }
+    EXPECT_NE(error.find("cannot write " + file.string() + ": File too large"), std::string::npos)
+        << "limit " << limit << ": " << error;
+    EXPECT_TRUE(fs::is_empty(folder.path())) << "limit " << limit;
+    EXPECT_FALSE(holdsFilesOf(folder.path())) << "limit " << limit << ": the disk stays full";
+  }
+}
+
+TEST_P(BagFileOnAFullDisk, NoticesAnIndexThatDoesNotFit) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "a.bag";
+  const auto convert = [&] {
+    BagFile bag(file, GetParam(), true);
+    writePictures(bag, 100, 100);
+    return bag.commit();
+  };
+  const std::uintmax_t size = convert();
+  fs::remove(file);
+  for (const std::uintmax_t missing : {1U, 10U, 100U, 1000U}) {
+    std::string error;
+    {
+      const FileSizeLimit full(size - missing);
+      error = errorOf(convert);
+    }
+    EXPECT_NE(error.find("File too large"), std::string::npos) << missing << " bytes missing: " << error;
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+  }
+}
+
+TEST_P(BagFileOnAFullDisk, IsReadableWhenThereIsRoom) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "a.bag";
+  {
+    BagFile bag(file, GetParam(), false);
+    writePictures(bag, 60, 80'000);
+    bag.commit();
+  }
+  rosbag::Bag read(file.string());
+  unsigned count = 0;
+  rosbag::View view(read);
+  for (const rosbag::MessageInstance& message : view) {
+    EXPECT_TRUE(message.instantiate<sensor_msgs::CompressedImage>()->data == picture(count, 80'000).data)
+        << count;
+    ++count;
+  }
+  EXPECT_EQ(count, 60U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Compressions, BagFileOnAFullDisk,
+                         testing::Values(Compression::kNone, Compression::kLz4, Compression::kBz2));
+
+}  // namespace
+}  // namespace radar_dot::bag
