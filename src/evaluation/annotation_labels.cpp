@@ -32,8 +32,9 @@ std::vector<MovingBox> boxesAt(const Tables& tables, Index sample) {
   std::vector<MovingBox> boxes;
   for (const Index row : tables.annotationsOf(sample)) {
     const SampleAnnotation& annotation = tables.annotations[static_cast<std::size_t>(row)];
-    const SampleAnnotation& before =
-        annotation.previous == kNone ? annotation : tables.annotations[static_cast<std::size_t>(annotation.previous)];
+    const SampleAnnotation& before = annotation.previous == kNone
+                                         ? annotation
+                                         : tables.annotations[static_cast<std::size_t>(annotation.previous)];
     const SampleAnnotation& after =
         annotation.next == kNone ? annotation : tables.annotations[static_cast<std::size_t>(annotation.next)];
     MovingBox box;
@@ -56,7 +57,8 @@ TrueLabel trueLabel(const std::vector<MovingBox>& boxes, const Eigen::Vector3d& 
     if (box.velocity.head<2>().norm() <= params.min_speed) continue;
     const Eigen::Vector2d centre = (box.centre + (time - box.time) * box.velocity).head<2>();
     const Eigen::Vector2d inside = (box.R_box_from_map * (position.head<2>() - centre)).cwiseAbs();
-    if (inside.x() > box.half_size.x() + params.margin || inside.y() > box.half_size.y() + params.margin) continue;
+    if (inside.x() > box.half_size.x() + params.margin || inside.y() > box.half_size.y() + params.margin)
+      continue;
     if (std::abs(line_of_sight.dot(box.velocity.head<2>())) > params.min_speed) return TrueLabel::kDynamic;
     label = TrueLabel::kIgnored;
   }

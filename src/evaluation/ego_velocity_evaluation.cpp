@@ -30,7 +30,8 @@ std::optional<std::size_t> nearestScan(const LoadedRadar& radar, double time, do
   if (scans.empty()) return std::nullopt;
   auto best = std::lower_bound(scans.begin(), scans.end(), time,
                                [](const LoadedScan& scan, double t) { return scan.time < t; });
-  if (best == scans.end() || (best != scans.begin() && time - std::prev(best)->time < best->time - time)) --best;
+  if (best == scans.end() || (best != scans.begin() && time - std::prev(best)->time < best->time - time))
+    --best;
   if (std::abs(best->time - time) > reach) return std::nullopt;
   return static_cast<std::size_t>(best - scans.begin());
 }
@@ -50,8 +51,9 @@ class WheelSpeed {
   explicit WheelSpeed(const std::vector<dataset::CanVehicleInfo>& wheels) : wheels_(wheels) {}
   std::optional<double> at(double time) const {
     const auto stamp = static_cast<std::int64_t>(std::llround(time * 1e6));
-    const auto after = std::lower_bound(wheels_.begin(), wheels_.end(), stamp,
-                                        [](const auto& info, std::int64_t t) { return info.timestamp_us < t; });
+    const auto after =
+        std::lower_bound(wheels_.begin(), wheels_.end(), stamp,
+                         [](const auto& info, std::int64_t t) { return info.timestamp_us < t; });
     if (after == wheels_.begin() || after == wheels_.end()) return std::nullopt;
     const auto before = std::prev(after);
     const double share = static_cast<double>(stamp - before->timestamp_us) /
@@ -80,9 +82,9 @@ std::vector<StampedVelocity> estimateSweeps(const RadarScene& scene, const Veloc
   std::vector<StampedVelocity> velocities;
   EgoVelocityEstimator estimator(options.estimator);
   AccelerationTracker tracker;
-  const auto leader = std::max_element(scene.radars.begin(), scene.radars.end(), [](const auto& a, const auto& b) {
-    return a.scans.size() < b.scans.size();
-  });
+  const auto leader =
+      std::max_element(scene.radars.begin(), scene.radars.end(),
+                       [](const auto& a, const auto& b) { return a.scans.size() < b.scans.size(); });
   for (const LoadedScan& trigger : leader->scans) {
     std::vector<RadarScan> scans;
     for (const LoadedRadar& radar : scene.radars) {
@@ -122,8 +124,8 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
     variants.emplace(variant, EgoVelocityEstimator(variantParams(options.estimator, variant)));
   }
   std::map<MotionModel, EgoVelocityEstimator> models;
-  for (const MotionModel model : {MotionModel::kPlanar, MotionModel::kPlanarYaw, MotionModel::kAckermann,
-                                  MotionModel::kSpatial}) {
+  for (const MotionModel model :
+       {MotionModel::kPlanar, MotionModel::kPlanarYaw, MotionModel::kAckermann, MotionModel::kSpatial}) {
     EgoVelocityParams params = options.estimator;
     params.model = model;
     models.emplace(model, EgoVelocityEstimator(params));
@@ -174,6 +176,33 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
   }
 }
 
+/// Yaw error of every mount from its scans nearest to the middle of each pair of keyframes.
+void evaluateMounts(const RadarScene& scene, const VelocityEvaluationOptions& options,
+                    VelocityReport& report) {
+  const double static_limit = options.estimator.segmentation.threshold;
+  for (const LoadedRadar& radar : scene.radars) {
+    MountError& error = report.mounts[radar.channel];
+    const Eigen::Matrix3d R_base_from_sensor = radar.T_base_from_sensor.linear();
+    for (std::size_t pair = 0; pair + 1 < scene.keyframe_times.size(); ++pair) {
+      const double t0 = scene.keyframe_times[pair];
+      const double t1 = scene.keyframe_times[pair + 1];
+      const auto nearest = nearestScan(radar, 0.5 * (t0 + t1), 0.5 * (t1 - t0));
+      if (!nearest) continue;
+      const Eigen::Vector3d angular(0.0, 0.0, scene.truth.meanYawRate(t0, t1));
+      const Eigen::Vector3d velocity =
+          scene.truth.meanVelocity(t0, t1) + angular.cross(radar.T_base_from_sensor.translation());
+      for (const DopplerReturn& measured : radar.scans[*nearest].returns) {
+        const Eigen::Vector3d bearing = R_base_from_sensor * measured.bearing.cast<double>();
+        const double residual = static_cast<double>(measured.doppler) + bearing.dot(velocity);
+        if (std::abs(residual) >= static_limit) continue;
+        const double across = Eigen::Vector3d::UnitZ().cross(bearing).dot(velocity);
+        error.numerator -= across * residual;
+        error.denominator += across * across;
+      }
+    }
+  }
+}
+
 void evaluateTrajectory(const RadarScene& scene, const std::vector<StampedVelocity>& velocities,
                         VelocityReport& report) {
   for (const bool with_heading : {true, false}) {
@@ -192,8 +221,9 @@ void evaluateTrajectory(const RadarScene& scene, const std::vector<StampedVeloci
   }
 }
 
-void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene, const VelocityEvaluationOptions& options,
-                    const std::vector<StampedVelocity>& velocities, VelocityReport& report) {
+void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
+                    const VelocityEvaluationOptions& options, const std::vector<StampedVelocity>& velocities,
+                    VelocityReport& report) {
   EgoVelocityEstimator estimator(options.estimator);
   for (std::size_t k = 0; k < scene.keyframe_samples.size(); ++k) {
     const Index sample = scene.keyframe_samples[k];
@@ -212,9 +242,10 @@ void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene, cons
       const Eigen::Vector3d sensor = T_map_from_base * scans[s].T_base_from_sensor.translation();
       for (std::size_t i = 0; i < scans[s].returns->size(); ++i) {
         const DopplerReturn& measured = (*scans[s].returns)[i];
-        const Eigen::Vector3d in_base =
-            scans[s].T_base_from_sensor * (static_cast<double>(measured.range) * measured.bearing.cast<double>());
-        const TrueLabel label = trueLabel(boxes, T_map_from_base * in_base, sensor, scans[s].time, options.labels);
+        const Eigen::Vector3d in_base = scans[s].T_base_from_sensor * (static_cast<double>(measured.range) *
+                                                                       measured.bearing.cast<double>());
+        const TrueLabel label =
+            trueLabel(boxes, T_map_from_base * in_base, sensor, scans[s].time, options.labels);
         if (label == TrueLabel::kIgnored) continue;
         const bool predicted = result.labels[result.offsets[s] + i] == ReturnLabel::kDynamic;
         const bool actual = label == TrueLabel::kDynamic;
@@ -245,6 +276,7 @@ VelocityReport& VelocityReport::operator+=(const VelocityReport& other) {
   merge(refusals, other.refusals);
   merge(mae, other.mae);
   merge(models, other.models);
+  merge(mounts, other.mounts);
   wheel_estimate += other.wheel_estimate;
   wheel_ground_truth += other.wheel_ground_truth;
   sweeps += other.sweeps;
@@ -260,9 +292,16 @@ VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
                                    const VelocityEvaluationOptions& options) {
   VelocityReport report;
   report.scene = tables.scenes[static_cast<std::size_t>(scene)].name;
-  const RadarScene loaded = loadRadarScene(tables, scene, options.channels, options.extraction);
+  RadarScene loaded = loadRadarScene(tables, scene, options.channels, options.extraction);
+  for (LoadedRadar& radar : loaded.radars) {
+    const auto correction = options.mount_yaw_corrections.find(radar.channel);
+    if (correction == options.mount_yaw_corrections.end()) continue;
+    radar.T_base_from_sensor.linear() =
+        Eigen::AngleAxisd(correction->second, Eigen::Vector3d::UnitZ()) * radar.T_base_from_sensor.linear();
+  }
   const std::vector<StampedVelocity> velocities = estimateSweeps(loaded, options, report);
   evaluatePairs(loaded, options, velocities, report);
+  evaluateMounts(loaded, options, report);
   evaluateTrajectory(loaded, velocities, report);
   evaluateLabels(tables, loaded, options, velocities, report);
   return report;

@@ -25,7 +25,8 @@ bool isRadar(const Tables& tables, const std::string& channel) {
   });
 }
 
-std::vector<std::string> radarChannels(const Tables& tables, Index scene, const std::vector<std::string>& wanted) {
+std::vector<std::string> radarChannels(const Tables& tables, Index scene,
+                                       const std::vector<std::string>& wanted) {
   std::vector<std::string> available;
   for (const std::string& channel : tables.channelsOf(scene)) {
     if (isRadar(tables, channel)) available.push_back(channel);
@@ -38,7 +39,8 @@ std::vector<std::string> radarChannels(const Tables& tables, Index scene, const 
   }
   for (const std::string& channel : wanted) {
     if (std::find(available.begin(), available.end(), channel) == available.end()) {
-      throw DatasetError(fmt::format("{}: channel '{}' is not one of its radars: {}", scene_name, channel, names));
+      throw DatasetError(
+          fmt::format("{}: channel '{}' is not one of its radars: {}", scene_name, channel, names));
     }
   }
   return wanted.empty() ? available : wanted;
@@ -93,9 +95,13 @@ RadarScene loadRadarScene(const Tables& tables, Index scene, const std::vector<s
   }
   const std::string& name = tables.scenes[at(scene)].name;
   if (scans == 0) {
-    throw DatasetError(fmt::format("{}: none of its radar files is under {}", name, tables.dataroot().string()));
+    throw DatasetError(
+        fmt::format("{}: none of its radar files is under {}", name, tables.dataroot().string()));
   }
-  RadarScene result{std::move(radars), {}, tables.samplesOf(scene), loadTruth(tables, scene),
+  RadarScene result{std::move(radars),
+                    {},
+                    tables.samplesOf(scene),
+                    loadTruth(tables, scene),
                     dataset::readCanBus(tables.dataroot(), name).vehicle};
   for (const Index sample : result.keyframe_samples) {
     result.keyframe_times.push_back(1e-6 * static_cast<double>(tables.samples[at(sample)].timestamp_us));

@@ -89,6 +89,10 @@ void writeReport(Writer& writer, const VelocityReport& report, bool overall) {
   number(writer, "vx_mae", report.wheel_estimate.value());
   number(writer, "ground_truth_vx_mae", report.wheel_ground_truth.value());
   writer.EndObject();
+  writer.Key("mount_yaw_error");
+  writer.StartObject();
+  for (const auto& [channel, error] : report.mounts) number(writer, channel.c_str(), error.yaw());
+  writer.EndObject();
   count(writer, "sweeps", report.sweeps);
   count(writer, "sweeps_refused", report.sweeps_refused);
   writer.Key("trajectory");
@@ -119,7 +123,8 @@ std::vector<Column> estimatorColumns() {
       {"frames", [](const VelocityReport& r) { return std::to_string(r.frames); }},
       {"refused", [](const VelocityReport& r) { return std::to_string(r.refused); }}};
   for (const char* variant : kVariants) {
-    columns.push_back({variant, [variant](const VelocityReport& r) { return figure(meanOf(r, variant).value()); }});
+    columns.push_back(
+        {variant, [variant](const VelocityReport& r) { return figure(meanOf(r, variant).value()); }});
   }
   return columns;
 }
@@ -127,12 +132,10 @@ std::vector<Column> estimatorColumns() {
 std::vector<Column> modelColumns() {
   std::vector<Column> columns;
   for (const char* model : {"planar", "planar_yaw", "ackermann", "spatial"}) {
-    columns.push_back({fmt::format("{}_vx", model), [model](const VelocityReport& r) {
-                         return figure(errorsOf(r, model).vx.value());
-                       }});
-    columns.push_back({fmt::format("{}_vy", model), [model](const VelocityReport& r) {
-                         return figure(errorsOf(r, model).vy.value());
-                       }});
+    columns.push_back({fmt::format("{}_vx", model),
+                       [model](const VelocityReport& r) { return figure(errorsOf(r, model).vx.value()); }});
+    columns.push_back({fmt::format("{}_vy", model),
+                       [model](const VelocityReport& r) { return figure(errorsOf(r, model).vy.value()); }});
     if (std::string(model) == "planar_yaw" || std::string(model) == "ackermann") {
       columns.push_back({fmt::format("{}_yaw_rate", model), [model](const VelocityReport& r) {
                            return figure(errorsOf(r, model).yaw_rate.value(), 4);
@@ -140,22 +143,36 @@ std::vector<Column> modelColumns() {
     }
   }
   columns.push_back({"wheel_vx", [](const VelocityReport& r) { return figure(r.wheel_estimate.value()); }});
-  columns.push_back({"wheel_vs_truth", [](const VelocityReport& r) { return figure(r.wheel_ground_truth.value()); }});
+  columns.push_back(
+      {"wheel_vs_truth", [](const VelocityReport& r) { return figure(r.wheel_ground_truth.value()); }});
   return columns;
 }
 
 std::vector<Column> outcomeColumns() {
-  return {{"sweeps", [](const VelocityReport& r) { return std::to_string(r.sweeps); }},
-          {"sweeps_refused", [](const VelocityReport& r) { return std::to_string(r.sweeps_refused); }},
-          {"distance", [](const VelocityReport& r) { return figure(r.gt_heading.distance, 1); }},
-          {"gt_heading_ate", [](const VelocityReport& r) { return figure(r.gt_heading.rootMeanSquare(), 2); }},
-          {"gt_heading_drift", [](const VelocityReport& r) { return figure(r.gt_heading.driftPercent(), 2); }},
-          {"own_heading_ate", [](const VelocityReport& r) { return figure(r.own_heading.rootMeanSquare(), 2); }},
-          {"own_heading_drift", [](const VelocityReport& r) { return figure(r.own_heading.driftPercent(), 2); }},
-          {"precision", [](const VelocityReport& r) { return figure(r.dynamic.precision()); }},
-          {"recall", [](const VelocityReport& r) { return figure(r.dynamic.recall()); }},
-          {"f1", [](const VelocityReport& r) { return figure(r.dynamic.f1()); }},
-          {"f1_70m", [](const VelocityReport& r) { return figure(r.dynamic_70m.f1()); }}};
+  return {
+      {"sweeps", [](const VelocityReport& r) { return std::to_string(r.sweeps); }},
+      {"sweeps_refused", [](const VelocityReport& r) { return std::to_string(r.sweeps_refused); }},
+      {"distance", [](const VelocityReport& r) { return figure(r.gt_heading.distance, 1); }},
+      {"gt_heading_ate", [](const VelocityReport& r) { return figure(r.gt_heading.rootMeanSquare(), 2); }},
+      {"gt_heading_drift", [](const VelocityReport& r) { return figure(r.gt_heading.driftPercent(), 2); }},
+      {"own_heading_ate", [](const VelocityReport& r) { return figure(r.own_heading.rootMeanSquare(), 2); }},
+      {"own_heading_drift", [](const VelocityReport& r) { return figure(r.own_heading.driftPercent(), 2); }},
+      {"precision", [](const VelocityReport& r) { return figure(r.dynamic.precision()); }},
+      {"recall", [](const VelocityReport& r) { return figure(r.dynamic.recall()); }},
+      {"f1", [](const VelocityReport& r) { return figure(r.dynamic.f1()); }},
+      {"f1_70m", [](const VelocityReport& r) { return figure(r.dynamic_70m.f1()); }}};
+}
+
+std::vector<Column> mountColumns(const VelocityReport& overall) {
+  std::vector<Column> columns;
+  for (const auto& entry : overall.mounts) {
+    const std::string& channel = entry.first;
+    columns.push_back({channel, [channel](const VelocityReport& r) {
+                         const auto found = r.mounts.find(channel);
+                         return found == r.mounts.end() ? "-" : figure(1e3 * found->second.yaw(), 1);
+                       }});
+  }
+  return columns;
 }
 
 std::string formatRows(const std::string& heading, const std::vector<Column>& columns,
@@ -186,18 +203,24 @@ std::string formatRows(const std::string& heading, const std::vector<Column>& co
 std::string formatTable(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
   const std::vector<Column> models = modelColumns();
   const auto split = models.begin() + 5;  // planar and planar_yaw, then the others
-  return formatRows("Ego velocity, mean |v - v_gt| (m/s), planar model: B1 least squares on all returns, A1 on the "
-                    "static ones, B2/A2 with RANSAC, robust with reweighted refinement",
-                    estimatorColumns(), scenes, overall) +
+  return formatRows(
+             "Ego velocity, mean |v - v_gt| (m/s), planar model: B1 least squares on all returns, A1 on the "
+             "static ones, B2/A2 with RANSAC, robust with reweighted refinement",
+             estimatorColumns(), scenes, overall) +
          "\n" +
-         formatRows("Motion models, mean absolute error (m/s, rad/s)", {models.begin(), split}, scenes, overall) +
+         formatRows("Motion models, mean absolute error (m/s, rad/s)", {models.begin(), split}, scenes,
+                    overall) +
          "\n" +
-         formatRows("Motion models (continued); wheel_vx: planar_yaw against the rear wheels, wheel_vs_truth: the "
-                    "ground truth itself against them (m/s)",
-                    {split, models.end()}, scenes, overall) +
+         formatRows(
+             "Motion models (continued); wheel_vx: planar_yaw against the rear wheels, wheel_vs_truth: the "
+             "ground truth itself against them (m/s)",
+             {split, models.end()}, scenes, overall) +
          "\n" +
          formatRows("Trajectory (m, drift in % of distance) and dynamic label against annotated boxes",
-                    outcomeColumns(), scenes, overall);
+                    outcomeColumns(), scenes, overall) +
+         "\n" +
+         formatRows("Yaw error of the calibrated mounts as the true motion shows it (mrad)",
+                    mountColumns(overall), scenes, overall);
 }
 
 std::string formatJson(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
@@ -218,7 +241,8 @@ std::string formatJson(const std::vector<VelocityReport>& scenes, const Velocity
 
 std::string formatCsv(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
   std::vector<Column> columns = estimatorColumns();
-  for (const auto& more : {modelColumns(), outcomeColumns()}) columns.insert(columns.end(), more.begin(), more.end());
+  for (const auto& more : {modelColumns(), outcomeColumns()})
+    columns.insert(columns.end(), more.begin(), more.end());
   std::string text = "scene";
   for (const Column& column : columns) text += "," + column.title;
   text += "\n";
@@ -245,7 +269,8 @@ void writeFile(const std::string& path, const std::string& text) {
     file.close();
     if (!file) {
       std::filesystem::remove(partial, ignored);
-      throw std::runtime_error(fmt::format("{}: cannot be written (is the folder there, writable, and the disk not full?)", path));
+      throw std::runtime_error(
+          fmt::format("{}: cannot be written (is the folder there, writable, and the disk not full?)", path));
     }
   }
   std::error_code error;

@@ -24,7 +24,8 @@ Eigen::Isometry3d interpolate(const StampedPose& a, const StampedPose& b, double
     result.linear() = qa.slerp(share, qb).toRotationMatrix();
   } else {
     const Eigen::AngleAxisd turn(qa.conjugate() * qb);
-    result.linear() = (qa * Eigen::Quaterniond(Eigen::AngleAxisd(share * turn.angle(), turn.axis()))).toRotationMatrix();
+    result.linear() =
+        (qa * Eigen::Quaterniond(Eigen::AngleAxisd(share * turn.angle(), turn.axis()))).toRotationMatrix();
   }
   result.translation() =
       (1.0 - share) * a.T_map_from_base.translation() + share * b.T_map_from_base.translation();
@@ -47,8 +48,9 @@ Eigen::Isometry3d PoseTrack::at(double time) const {
                                       [](const StampedPose& pose, double t) { return pose.time < t; });
   if (after != poses_.begin() && after != poses_.end()) return interpolate(*std::prev(after), *after, time);
   if (after == poses_.begin()) {
-    auto base = std::lower_bound(std::next(poses_.begin()), std::prev(poses_.end()), begin() + kExtrapolationBase,
-                                 [](const StampedPose& pose, double t) { return pose.time < t; });
+    auto base =
+        std::lower_bound(std::next(poses_.begin()), std::prev(poses_.end()), begin() + kExtrapolationBase,
+                         [](const StampedPose& pose, double t) { return pose.time < t; });
     return interpolate(poses_.front(), *base, time);
   }
   auto base = std::lower_bound(poses_.begin(), std::prev(poses_.end()), end() - kExtrapolationBase,

@@ -56,7 +56,8 @@ Array resized(std::vector<float>& values, std::size_t size) {
 
 /// A x - b over `count` rows from `first`, as a lazy expression in single precision.
 template <int N>
-auto residualExpression(const ConstraintSystem& system, const Parameters& x, Eigen::Index first, Eigen::Index count) {
+auto residualExpression(const ConstraintSystem& system, const Parameters& x, Eigen::Index first,
+                        Eigen::Index count) {
   const Eigen::Vector3f f = x.cast<float>();
   const auto rhs = system.rightHandSide().segment(first, count);
   const auto column = [&](int k) { return system.column(k).segment(first, count); };
@@ -156,13 +157,17 @@ float truncatedCost(const ConstraintSystem& system, const Parameters& x, float t
   const auto rows = static_cast<Eigen::Index>(system.rows);
   float cost = 0.F;
   for (Eigen::Index first = 0; first < rows && cost < limit; first += kBlock) {
-    cost += residualExpression<N>(system, x, first, std::min(kBlock, rows - first)).square().min(truncation).sum();
+    cost += residualExpression<N>(system, x, first, std::min(kBlock, rows - first))
+                .square()
+                .min(truncation)
+                .sum();
   }
   return cost;
 }
 
 template <int N>
-bool ransac(const ConstraintSystem& system, const RansacParams& params, Parameters& best, SolverScratch& scratch) {
+bool ransac(const ConstraintSystem& system, const RansacParams& params, Parameters& best,
+            SolverScratch& scratch) {
   if (system.rows < static_cast<std::size_t>(N)) return false;
   Random random(params.seed);
   const auto truncation = static_cast<float>(params.inlier_threshold * params.inlier_threshold);
@@ -195,7 +200,8 @@ void ConstraintSystem::resize(int parameter_count, std::size_t row_count) {
   variance.resize(row_count);
 }
 
-void evaluateResiduals(const ConstraintSystem& system, const Parameters& solution, std::vector<float>& residuals) {
+void evaluateResiduals(const ConstraintSystem& system, const Parameters& solution,
+                       std::vector<float>& residuals) {
   Array out = resized(residuals, system.rows);
   dispatch(system.parameters, [&](auto n) {
     out = residualExpression<decltype(n)::value>(system, solution, 0, out.size());
@@ -225,14 +231,16 @@ Observability analyseObservability(const ConstraintSystem& system, double max_co
     if (result.rank == N) {
       result.condition_number = std::sqrt(values[N - 1] / values[0]);
     } else {
-      for (int k = 0; k < N; ++k) result.basis.template block<N, 1>(0, k) = eigen.eigenvectors().col(N - 1 - k);
+      for (int k = 0; k < N; ++k)
+        result.basis.template block<N, 1>(0, k) = eigen.eigenvectors().col(N - 1 - k);
     }
     return 0;
   });
   return result;
 }
 
-void projectSystem(const ConstraintSystem& system, const Observability& observability, ConstraintSystem& projected) {
+void projectSystem(const ConstraintSystem& system, const Observability& observability,
+                   ConstraintSystem& projected) {
   projected.resize(observability.rank, system.rows);
   for (int k = 0; k < observability.rank; ++k) {
     Array out = resized(projected.columns[static_cast<std::size_t>(k)], system.rows);
@@ -257,7 +265,8 @@ bool solveLeastSquares(const ConstraintSystem& system, Parameters& solution, Sol
   });
 }
 
-bool solveInliers(const ConstraintSystem& system, double threshold, Parameters& solution, SolverScratch& scratch) {
+bool solveInliers(const ConstraintSystem& system, double threshold, Parameters& solution,
+                  SolverScratch& scratch) {
   evaluateResiduals(system, solution, scratch.residuals);
   resized(scratch.weights, system.rows) =
       (mapped(scratch.residuals).abs() < static_cast<float>(threshold)).cast<float>();
@@ -271,7 +280,8 @@ bool solveRansac(const ConstraintSystem& system, const RansacParams& params, Par
                   [&](auto n) { return ransac<decltype(n)::value>(system, params, solution, scratch); });
 }
 
-bool refineRobust(const ConstraintSystem& system, int iterations, Parameters& solution, SolverScratch& scratch) {
+bool refineRobust(const ConstraintSystem& system, int iterations, Parameters& solution,
+                  SolverScratch& scratch) {
   constexpr double kConverged = 1e-4;  // m/s: far below what the data can tell
   return dispatch(system.parameters, [&](auto n) {
     for (int iteration = 0; iteration < iterations; ++iteration) {

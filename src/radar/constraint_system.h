@@ -40,7 +40,8 @@ struct SolverScratch {
 };
 
 /// e = A x - b, one value per row. For b = -d this is the paper's residual d + u.v with its sign.
-void evaluateResiduals(const ConstraintSystem& system, const Parameters& solution, std::vector<float>& residuals);
+void evaluateResiduals(const ConstraintSystem& system, const Parameters& solution,
+                       std::vector<float>& residuals);
 
 /// Which directions of the parameter space the rows constrain.
 struct Observability {
@@ -54,7 +55,8 @@ struct Observability {
 Observability analyseObservability(const ConstraintSystem& system, double max_condition_number);
 
 /// The system in the coordinates of the first `rank` columns of `basis`: A V, b.
-void projectSystem(const ConstraintSystem& system, const Observability& observability, ConstraintSystem& projected);
+void projectSystem(const ConstraintSystem& system, const Observability& observability,
+                   ConstraintSystem& projected);
 
 /// Parameters of solveRansac.
 struct RansacParams {
@@ -67,7 +69,8 @@ struct RansacParams {
 bool solveLeastSquares(const ConstraintSystem& system, Parameters& solution, SolverScratch& scratch);
 
 /// Least squares over the rows that `solution` explains within `threshold` (m/s).
-bool solveInliers(const ConstraintSystem& system, double threshold, Parameters& solution, SolverScratch& scratch);
+bool solveInliers(const ConstraintSystem& system, double threshold, Parameters& solution,
+                  SolverScratch& scratch);
 
 /// Consensus by minimal samples, scored with the truncated quadratic of MSAC (Torr & Zisserman 2000);
 /// each new best is polished by least squares on its inliers (LO-RANSAC, Chum et al. 2003).
@@ -75,7 +78,8 @@ bool solveRansac(const ConstraintSystem& system, const RansacParams& params, Par
                  SolverScratch& scratch);
 
 /// Iteratively reweighted least squares with Cauchy weights 1 / (sigma^2 + e^2), from `solution`.
-bool refineRobust(const ConstraintSystem& system, int iterations, Parameters& solution, SolverScratch& scratch);
+bool refineRobust(const ConstraintSystem& system, int iterations, Parameters& solution,
+                  SolverScratch& scratch);
 
 /// Information matrix A' W A over the rows with |residual| < threshold, W = 1 / variance.
 Eigen::Matrix3d inlierInformation(const ConstraintSystem& system, const std::vector<float>& residuals,

@@ -51,9 +51,9 @@ void DopplerExtractor::resolve(const PointCloudView& cloud) {
     const PointField* field = findField(layout_.fields, name);
     if (field == nullptr) return result;
     if (scalarSize(field->type) == 0 || field->offset + scalarSize(field->type) > cloud.point_step) {
-      throw std::invalid_argument(fmt::format("field '{}' (offset {}, type {}) does not fit into points of {} bytes",
-                                              field->name, field->offset, static_cast<int>(field->type),
-                                              cloud.point_step));
+      throw std::invalid_argument(
+          fmt::format("field '{}' (offset {}, type {}) does not fit into points of {} bytes", field->name,
+                      field->offset, static_cast<int>(field->type), cloud.point_step));
     }
     result.offset = static_cast<std::ptrdiff_t>(field->offset);
     result.type = field->type;
@@ -63,7 +63,8 @@ void DopplerExtractor::resolve(const PointCloudView& cloud) {
     const Column result = column(name);
     if (!result.present()) {
       throw std::invalid_argument(fmt::format("the cloud has no field '{}' ({}); its fields are: {}",
-                                              std::string(name), std::string(use), fieldNames(layout_.fields)));
+                                              std::string(name), std::string(use),
+                                              fieldNames(layout_.fields)));
     }
     return result;
   };
@@ -102,7 +103,8 @@ ExtractionCounts DopplerExtractor::extract(const PointCloudView& cloud, std::vec
   counts.total = cloud.size();
   for (std::size_t i = 0; i < counts.total; ++i) {
     const std::uint8_t* point = cloud.point(i);
-    if (layout_.invalid_state.present() && !acceptsState(invalid_allowed_, layout_.invalid_state.read(point))) {
+    if (layout_.invalid_state.present() &&
+        !acceptsState(invalid_allowed_, layout_.invalid_state.read(point))) {
       ++counts.invalid_state;
       continue;
     }
@@ -118,10 +120,11 @@ ExtractionCounts DopplerExtractor::extract(const PointCloudView& cloud, std::vec
     const double y = layout_.y.read(point);
     const double z = layout_.z.present() ? layout_.z.read(point) : 0.0;
     const double range = std::sqrt(x * x + y * y + z * z);
-    const double doppler = params_.doppler_scale * (layout_.doppler.present()
-                                                        ? layout_.doppler.read(point)
-                                                        : (x * layout_.vx.read(point) + y * layout_.vy.read(point)) /
-                                                              std::hypot(x, y));
+    const double doppler =
+        params_.doppler_scale *
+        (layout_.doppler.present()
+             ? layout_.doppler.read(point)
+             : (x * layout_.vx.read(point) + y * layout_.vy.read(point)) / std::hypot(x, y));
     if (!std::isfinite(range) || range <= 0.0 || !std::isfinite(doppler)) {
       ++counts.not_finite;
       continue;

@@ -33,7 +33,8 @@ ModelAxes axesOf(MotionModel model) noexcept {
 /// Moves a solution along the free directions to the member of its family with the least sideslip
 /// and vertical velocity (and, after them, the least forward velocity and yaw rate). The returns
 /// cannot tell the members apart; a vehicle on wheels is most likely near this one.
-Parameters plausibleMember(const ModelAxes& model, const Eigen::Matrix3d& basis, int rank, const Parameters& solution) {
+Parameters plausibleMember(const ModelAxes& model, const Eigen::Matrix3d& basis, int rank,
+                           const Parameters& solution) {
   const int free = model.count - rank;
   if (free <= 0) return solution;
   constexpr double kLightWeight = 1e-4;
@@ -45,7 +46,8 @@ Parameters plausibleMember(const ModelAxes& model, const Eigen::Matrix3d& basis,
   using Free = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 2>;
   const Free directions = basis.middleCols(rank, free);
   const Free weighted = weight.asDiagonal() * directions;
-  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2, 2> normal = directions.transpose() * weighted;
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2, 2> normal =
+      directions.transpose() * weighted;
   const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1> gradient = weighted.transpose() * solution;
   const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1> step = normal.ldlt().solve(gradient);
   return solution - directions * step;
@@ -62,7 +64,8 @@ void validate(const EgoVelocityParams& p) {
   requireParameter(p.doppler_std > 0.0, "doppler_std must be positive (m/s)");
   requireParameter(p.azimuth_std >= 0.0, "azimuth_std must not be negative (rad)");
   requireParameter(p.min_returns >= 3, "min_returns must be at least 3");
-  requireParameter(p.min_inlier_share >= 0.0 && p.min_inlier_share <= 1.0, "min_inlier_share must lie in 0..1");
+  requireParameter(p.min_inlier_share >= 0.0 && p.min_inlier_share <= 1.0,
+                   "min_inlier_share must lie in 0..1");
   requireParameter(p.max_condition_number > 1.0, "max_condition_number must be above 1");
   requireParameter(p.unobserved_variance > 0.0, "unobserved_variance must be positive");
   const SegmentationParams& s = p.segmentation;
@@ -135,14 +138,15 @@ struct EgoVelocityEstimator::Workspace {
   void label(const EgoVelocityParams& params);
   void refuse(const EgoVelocityParams& params, EstimateStatus status);
 
-  static void gather(const ConstraintSystem& from, const std::vector<std::size_t>& which, ConstraintSystem& to);
+  static void gather(const ConstraintSystem& from, const std::vector<std::size_t>& which,
+                     ConstraintSystem& to);
   static double inlierThreshold(const EgoVelocityParams& params) {
     return params.solver == Solver::kLeastSquares ? params.segmentation.threshold : params.inlier_threshold;
   }
 };
 
-void EgoVelocityEstimator::Workspace::gather(const ConstraintSystem& from, const std::vector<std::size_t>& which,
-                                             ConstraintSystem& to) {
+void EgoVelocityEstimator::Workspace::gather(const ConstraintSystem& from,
+                                             const std::vector<std::size_t>& which, ConstraintSystem& to) {
   to.resize(from.parameters, which.size());
   for (std::size_t i = 0; i < which.size(); ++i) {
     for (std::size_t k = 0; k < static_cast<std::size_t>(from.parameters); ++k) {
@@ -153,8 +157,9 @@ void EgoVelocityEstimator::Workspace::gather(const ConstraintSystem& from, const
   }
 }
 
-void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params, const std::vector<RadarScan>& scans,
-                                            double reference_time, const Eigen::Vector3d& acceleration) {
+void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params,
+                                            const std::vector<RadarScan>& scans, double reference_time,
+                                            const Eigen::Vector3d& acceleration) {
   rows.clear();
   result.offsets.clear();
   for (const RadarScan& scan : scans) {
@@ -173,8 +178,8 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params, con
       row.delay = delay;
       // v at the scan = v at the reference time - a (t_ref - t).
       row.right_hand_side = -measured.doppler + row.bearing.dot(velocity_change);
-      row.known_dynamic = scan.known_dynamic != nullptr && i < scan.known_dynamic->size() &&
-                          (*scan.known_dynamic)[i] != 0;
+      row.known_dynamic =
+          scan.known_dynamic != nullptr && i < scan.known_dynamic->size() && (*scan.known_dynamic)[i] != 0;
       rows.push_back(row);
     }
   }
@@ -197,7 +202,8 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params, con
 }
 
 /// A bearing that is off by delta shifts the Doppler by delta times the speed across the line of sight.
-void EgoVelocityEstimator::Workspace::setVariance(const EgoVelocityParams& params, const Parameters& solution) {
+void EgoVelocityEstimator::Workspace::setVariance(const EgoVelocityParams& params,
+                                                  const Parameters& solution) {
   const ModelAxes model = axesOf(params.model);
   Eigen::Vector3f linear = Eigen::Vector3f::Zero();
   float yaw_rate = 0.F;
@@ -217,8 +223,9 @@ void EgoVelocityEstimator::Workspace::setVariance(const EgoVelocityParams& param
   }
 }
 
-bool EgoVelocityEstimator::Workspace::solvePass(const EgoVelocityParams& params, const ConstraintSystem& system,
-                                                bool consensus, Parameters& solution) {
+bool EgoVelocityEstimator::Workspace::solvePass(const EgoVelocityParams& params,
+                                                const ConstraintSystem& system, bool consensus,
+                                                Parameters& solution) {
   if (params.solver == Solver::kLeastSquares) return solveLeastSquares(system, solution, scratch);
   if (!consensus) return refineRobust(system, params.robust_iterations, solution, scratch);
   const RansacParams ransac{params.seed, params.ransac_iterations, params.inlier_threshold};
@@ -226,8 +233,8 @@ bool EgoVelocityEstimator::Workspace::solvePass(const EgoVelocityParams& params,
          solveInliers(system, params.inlier_threshold, solution, scratch);
 }
 
-EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& params, Observability& observability,
-                                                      Parameters& reduced) {
+EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& params,
+                                                      Observability& observability, Parameters& reduced) {
   result.return_count = indices.size();
   if (indices.size() < static_cast<std::size_t>(params.min_returns)) return EstimateStatus::kTooFewReturns;
 
@@ -262,11 +269,12 @@ EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& p
   if (subset.size() < static_cast<std::size_t>(params.min_returns)) return EstimateStatus::kNoConsensus;
   if (subset.size() == active.rows && params.solver != Solver::kRansac) return EstimateStatus::kOk;
   gather(active, subset, pass);
-  return solvePass(params, pass, !robust, reduced) ? EstimateStatus::kOk : EstimateStatus::kDegenerateBearings;
+  return solvePass(params, pass, !robust, reduced) ? EstimateStatus::kOk
+                                                   : EstimateStatus::kDegenerateBearings;
 }
 
-void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params, const Observability& observability,
-                                             const Parameters& reduced) {
+void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
+                                             const Observability& observability, const Parameters& reduced) {
   const int rank = active.parameters;
   const ModelAxes model = axesOf(params.model);
   evaluateResiduals(active, reduced, residuals);
@@ -289,12 +297,12 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params, co
   const double widening = freedom > 0.0 ? std::max(1.0, chi_squared / freedom) : 1.0;
   for (int k = rank; k < 3; ++k) reduced_covariance(k, k) = params.unobserved_variance;
   reduced_covariance.topLeftCorner(rank, rank) =
-      widening * information.topLeftCorner(rank, rank)
-                     .ldlt()
-                     .solve(Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>::Identity(rank, rank));
+      widening *
+      information.topLeftCorner(rank, rank)
+          .ldlt()
+          .solve(Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>::Identity(rank, rank));
   const Eigen::Matrix3d& basis = observability.basis;
-  const Parameters solution =
-      plausibleMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
+  const Parameters solution = plausibleMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
   const Eigen::Matrix3d covariance = basis * reduced_covariance * basis.transpose();
 
   result.covariance = Eigen::Matrix<double, 6, 6>::Identity() * params.unobserved_variance;
@@ -344,8 +352,8 @@ void EgoVelocityEstimator::Workspace::refuse(const EgoVelocityParams& params, Es
       result.reason = fmt::format("{} accepted returns, {} needed", result.return_count, params.min_returns);
       break;
     case EstimateStatus::kDegenerateBearings:
-      result.reason = fmt::format("the bearings of {} returns do not constrain the {} model", result.return_count,
-                                  std::string(toString(params.model)));
+      result.reason = fmt::format("the bearings of {} returns do not constrain the {} model",
+                                  result.return_count, std::string(toString(params.model)));
       break;
     case EstimateStatus::kNoConsensus:
       result.reason = fmt::format("only {} of {} returns agree on one velocity within {:.2f} m/s",
@@ -369,7 +377,8 @@ EgoVelocityEstimator::~EgoVelocityEstimator() = default;
 EgoVelocityEstimator::EgoVelocityEstimator(EgoVelocityEstimator&&) noexcept = default;
 EgoVelocityEstimator& EgoVelocityEstimator::operator=(EgoVelocityEstimator&&) noexcept = default;
 
-const EgoVelocityResult& EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans, double reference_time,
+const EgoVelocityResult& EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans,
+                                                        double reference_time,
                                                         const Eigen::Vector3d& acceleration) {
   Workspace& w = *workspace_;
   EgoVelocityResult& result = w.result;

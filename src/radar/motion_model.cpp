@@ -18,8 +18,8 @@ std::string_view toString(MotionModel model) noexcept {
 }
 
 MotionModel motionModelFromString(std::string_view name) {
-  for (const MotionModel model : {MotionModel::kPlanar, MotionModel::kPlanarYaw,
-                                  MotionModel::kAckermann, MotionModel::kSpatial}) {
+  for (const MotionModel model :
+       {MotionModel::kPlanar, MotionModel::kPlanarYaw, MotionModel::kAckermann, MotionModel::kSpatial}) {
     if (name == toString(model)) return model;
   }
   throw std::invalid_argument("motion model '" + std::string(name) +

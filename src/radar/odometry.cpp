@@ -32,7 +32,8 @@ bool VelocityIntegrator::add(double time, const Eigen::Vector3d& linear, const E
     const double dt = time - state_.time;
     const Eigen::Quaterniond start(state_.T_odom_from_base.linear());
     const Eigen::Vector3d turn = 0.5 * (previous_angular_ + angular) * dt;
-    const Eigen::Quaterniond end = (R_odom_from_base ? *R_odom_from_base : start * rotationOf(turn)).normalized();
+    const Eigen::Quaterniond end =
+        (R_odom_from_base ? *R_odom_from_base : start * rotationOf(turn)).normalized();
     const Eigen::Quaterniond middle = start.slerp(0.5, end);
     const Eigen::Vector3d step = 0.5 * (previous_linear_ + linear) * dt;
     const Eigen::Vector3d move = middle * step;
@@ -40,12 +41,14 @@ bool VelocityIntegrator::add(double time, const Eigen::Vector3d& linear, const E
     // First-order propagation: position = sum of R v dt; an error of heading turns all later steps.
     const Eigen::Matrix3d R = middle.toRotationMatrix();
     Eigen::Matrix<double, 6, 6> transition = Eigen::Matrix<double, 6, 6>::Identity();
-    transition.block<3, 3>(0, 3) << 0.0, move.z(), -move.y(), -move.z(), 0.0, move.x(), move.y(), -move.x(), 0.0;
+    transition.block<3, 3>(0, 3) << 0.0, move.z(), -move.y(), -move.z(), 0.0, move.x(), move.y(), -move.x(),
+        0.0;
     Eigen::Matrix<double, 6, 6> input = Eigen::Matrix<double, 6, 6>::Zero();
     input.block<3, 3>(0, 0) = R * dt;
     if (!R_odom_from_base) input.block<3, 3>(3, 3) = R * dt;
-    state_.covariance = (transition * state_.covariance * transition.transpose() +
-                         input * covariance * input.transpose()).eval();
+    state_.covariance =
+        (transition * state_.covariance * transition.transpose() + input * covariance * input.transpose())
+            .eval();
 
     state_.T_odom_from_base.translation() += move;
     state_.T_odom_from_base.linear() = end.toRotationMatrix();

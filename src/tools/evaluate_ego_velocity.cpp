@@ -4,7 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,38 +22,64 @@ using radar_dot::evaluation::writeFile;
 
 struct Arguments {
   std::string dataroot, version = "v1.0-mini", json, csv, model = "planar_yaw";
-  std::vector<std::string> scenes;
+  std::vector<std::string> scenes, mount_corrections;
   bool all_returns = false;
   bool paper_labels = false;
   VelocityEvaluationOptions options;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("--dataroot", arguments.dataroot, "Folder with the nuScenes tables and sensor files")->required();
+  app.add_option("--dataroot", arguments.dataroot, "Folder with the nuScenes tables and sensor files")
+      ->required();
   app.add_option("--version", arguments.version, "Table folder")->capture_default_str();
   app.add_option("--scenes", arguments.scenes, "Scene names, comma-separated (default: all)")->delimiter(',');
-  app.add_option("--channels", arguments.options.channels, "Radars, comma-separated (default: all)")->delimiter(',');
+  app.add_option("--channels", arguments.options.channels, "Radars, comma-separated (default: all)")
+      ->delimiter(',');
   app.add_option("--json", arguments.json, "Write the results to this JSON file");
   app.add_option("--csv", arguments.csv, "Write the results to this CSV file");
   app.add_option("--model", arguments.model, "Motion model of trajectory and labels")->capture_default_str();
-  app.add_option("--doppler-scale", arguments.options.extraction.doppler_scale, "Factor on every Doppler velocity")
+  app.add_option("--doppler-scale", arguments.options.extraction.doppler_scale,
+                 "Factor on every Doppler velocity")
       ->capture_default_str();
   app.add_option("--threshold", arguments.options.estimator.segmentation.threshold,
-                 "tau of the two passes, m/s")->capture_default_str();
+                 "tau of the two passes, m/s")
+      ->capture_default_str();
   radar_dot::EgoVelocityParams& estimator = arguments.options.estimator;
-  app.add_option("--inlier-threshold", estimator.inlier_threshold, "RANSAC inlier residual, m/s")->capture_default_str();
+  app.add_option("--inlier-threshold", estimator.inlier_threshold, "RANSAC inlier residual, m/s")
+      ->capture_default_str();
   app.add_option("--iterations", estimator.ransac_iterations, "RANSAC hypotheses")->capture_default_str();
   app.add_option("--seed", estimator.seed, "Seed of RANSAC")->capture_default_str();
-  app.add_option("--doppler-std", estimator.doppler_std, "1 sigma of a Doppler velocity, m/s")->capture_default_str();
+  app.add_option("--doppler-std", estimator.doppler_std, "1 sigma of a Doppler velocity, m/s")
+      ->capture_default_str();
   app.add_option("--azimuth-std", estimator.azimuth_std, "1 sigma of a bearing, rad")->capture_default_str();
+  app.add_option("--mount-yaw-correction", arguments.mount_corrections,
+                 "CHANNEL=RAD, comma-separated: added to the yaw of a mount")
+      ->delimiter(',');
   app.add_flag("--all-returns", arguments.all_returns, "Switch the nuScenes validity filters off");
-  app.add_flag("--paper-labels", arguments.paper_labels, "Label by the residual threshold alone, without neighbours");
+  app.add_flag("--paper-labels", arguments.paper_labels,
+               "Label by the residual threshold alone, without neighbours");
+}
+
+/// "RADAR_FRONT=-0.012" -> {"RADAR_FRONT", -0.012}.
+std::map<std::string, double> parseCorrections(const std::vector<std::string>& texts) {
+  std::map<std::string, double> corrections;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    char* end = nullptr;
+    const double value = equals == std::string::npos ? 0.0 : std::strtod(text.c_str() + equals + 1, &end);
+    if (end == nullptr || *end != '\0' || end == text.c_str() + equals + 1) {
+      throw std::invalid_argument(fmt::format("--mount-yaw-correction '{}' is not CHANNEL=RAD", text));
+    }
+    corrections[text.substr(0, equals)] = value;
+  }
+  return corrections;
 }
 
 int run(Arguments& arguments) {
   namespace dataset = radar_dot::dataset;
   VelocityEvaluationOptions& options = arguments.options;
   options.estimator.model = radar_dot::motionModelFromString(arguments.model);
+  options.mount_yaw_corrections = parseCorrections(arguments.mount_corrections);
   options.estimator.segmentation.neighbourhood = !arguments.paper_labels;
   if (arguments.all_returns) {
     options.extraction.filter.invalid_states.clear();

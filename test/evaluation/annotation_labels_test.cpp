@@ -27,7 +27,8 @@ const Vector3d kSensor(0.0, 0.0, 0.5);
 TEST(TrueLabel, InsideAMovingBoxIsDynamic) {
   EXPECT_EQ(trueLabel({car(5.0)}, {20.0, 0.0, 0.0}, kSensor, 0.0), TrueLabel::kDynamic);
   EXPECT_EQ(trueLabel({car(5.0)}, {30.0, 0.0, 0.0}, kSensor, 0.0), TrueLabel::kStatic);
-  EXPECT_EQ(trueLabel({car(0.3)}, {20.0, 0.0, 0.0}, kSensor, 0.0), TrueLabel::kStatic) << "slower than 0.5 m/s";
+  EXPECT_EQ(trueLabel({car(0.3)}, {20.0, 0.0, 0.0}, kSensor, 0.0), TrueLabel::kStatic)
+      << "slower than 0.5 m/s";
 }
 
 TEST(TrueLabel, BoxesAreGrownByHalfAMetre) {

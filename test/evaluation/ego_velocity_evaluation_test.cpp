@@ -88,6 +88,15 @@ TEST_F(Evaluation, OneRadarReportsWhatItCanSee) {
   EXPECT_EQ(report.models.at("planar_yaw").yaw_rate.count, 0U);
 }
 
+// A mount turned away from its calibration shows up as the turn back, and only there.
+TEST_F(Evaluation, AMountThatIsTurnedIsFound) {
+  VelocityEvaluationOptions options;
+  options.mount_yaw_corrections["RADAR_FRONT_LEFT"] = 0.02;
+  const VelocityReport report = evaluate(NuscenesFixture::kStraightScene, options);
+  EXPECT_NEAR(report.mounts.at("RADAR_FRONT_LEFT").yaw(), -0.02, 1e-3);
+  EXPECT_NEAR(report.mounts.at("RADAR_BACK_RIGHT").yaw(), 0.0, 1e-3);
+}
+
 TEST_F(Evaluation, AnUnknownChannelIsNamedWithTheRadarsAtHand) {
   VelocityEvaluationOptions options;
   options.channels = {"RADAR_REAR"};
@@ -111,7 +120,8 @@ TEST_F(Evaluation, JsonHasTheDocumentedKeys) {
   ASSERT_EQ(json["scenes"].Size(), 2U);
   EXPECT_STREQ(json["scenes"][0]["scene"].GetString(), NuscenesFixture::kStraightScene);
   for (const auto* report : {&json["scenes"][0], &json["scenes"][1], &json["overall"]}) {
-    for (const char* variant : {"B1", "A1", "B2", "A2"}) EXPECT_TRUE((*report)["mae"][variant].IsNumber()) << variant;
+    for (const char* variant : {"B1", "A1", "B2", "A2"})
+      EXPECT_TRUE((*report)["mae"][variant].IsNumber()) << variant;
     for (const char* key : {"vx_mae", "vy_mae", "yaw_rate_mae"}) {
       EXPECT_TRUE((*report)["models"]["planar_yaw"][key].IsNumber()) << key;
     }
@@ -120,7 +130,8 @@ TEST_F(Evaluation, JsonHasTheDocumentedKeys) {
       EXPECT_TRUE((*report)["trajectory"][heading]["ate_rmse"].IsNumber());
       EXPECT_TRUE((*report)["trajectory"][heading]["drift_percent"].IsNumber());
     }
-    for (const char* key : {"precision", "recall", "f1", "f1_70m"}) EXPECT_TRUE((*report)["dynamic"][key].IsNumber());
+    for (const char* key : {"precision", "recall", "f1", "f1_70m"})
+      EXPECT_TRUE((*report)["dynamic"][key].IsNumber());
   }
   EXPECT_EQ(json["overall"]["frames"].GetUint64(), 22U);
   EXPECT_EQ(json["overall"]["refused"].GetUint64(), 0U);

@@ -23,7 +23,8 @@ Outcome runTool(const std::string& arguments) {
   Outcome outcome;
   FILE* pipe = popen((std::string(TOOL) + " " + arguments + " 2>&1").c_str(), "r");
   std::array<char, 4096> buffer{};
-  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe)) outcome.text.append(buffer.data(), count);
+  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe))
+    outcome.text.append(buffer.data(), count);
   outcome.exit_code = WEXITSTATUS(pclose(pipe));
   return outcome;
 }
@@ -40,8 +41,8 @@ std::unique_ptr<test::NuscenesFixture> EvaluateEgoVelocity::fixture_;
 TEST_F(EvaluateEgoVelocity, WritesTableJsonAndCsv) {
   const std::filesystem::path json = fixture_->dataroot() / "out.json";
   const std::filesystem::path csv = fixture_->dataroot() / "out.csv";
-  const Outcome outcome = runTool(dataroot() + " --scenes scene-0001,scene-0002 --json " + json.string() + " --csv " +
-                                  csv.string());
+  const Outcome outcome = runTool(dataroot() + " --scenes scene-0001,scene-0002 --json " + json.string() +
+                                  " --csv " + csv.string());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("overall"), std::string::npos);
   EXPECT_GT(std::filesystem::file_size(json), 1000U);
@@ -74,7 +75,8 @@ TEST_F(EvaluateEgoVelocity, AnUnwritableOutputIsNamed) {
 
 TEST_F(EvaluateEgoVelocity, ATruncatedPcdIsNamed) {
   const test::NuscenesFixture broken;
-  for (const auto& entry : std::filesystem::directory_iterator(broken.dataroot() / "samples" / "RADAR_FRONT")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(broken.dataroot() / "samples" / "RADAR_FRONT")) {
     std::filesystem::resize_file(entry.path(), 700);
   }
   const Outcome outcome = runTool("--dataroot " + broken.dataroot().string());

@@ -56,7 +56,8 @@ TEST(PoseTrack, BadInputIsRefused) {
 TEST(TrajectoryErrors, KnownDrift) {
   const PoseTrack truth({{0.0, pose(0.0, 0.0, 0.0)}, {10.0, pose(100.0, 0.0, 0.0)}});
   std::vector<StampedPose> estimate;
-  for (int i = 0; i <= 10; ++i) estimate.push_back({1.0 * i, pose(10.0 * i, 0.1 * i, 0.0)});  // 1 % to the side
+  for (int i = 0; i <= 10; ++i)
+    estimate.push_back({1.0 * i, pose(10.0 * i, 0.1 * i, 0.0)});  // 1 % to the side
   const TrajectoryError error = compareTrajectory(estimate, truth);
   EXPECT_NEAR(error.driftPercent(), 1.0, 1e-9);
   double squares = 0.0;

@@ -60,9 +60,9 @@ TEST(DopplerExtractor, ProjectsVelocityOntoTheBearing) {
 }
 
 TEST(DopplerExtractor, PrefersADopplerFieldAndScalesIt) {
-  const PointCloud cloud =
-      makeCloud({"x", "y", "z", "vx", "vy", "doppler", "speed"}, {},
-                {{{"x", 3.0}, {"y", 0.0}, {"z", 4.0}, {"vx", 9.0}, {"vy", 9.0}, {"doppler", 2.0}, {"speed", 5.0}}});
+  const PointCloud cloud = makeCloud(
+      {"x", "y", "z", "vx", "vy", "doppler", "speed"}, {},
+      {{{"x", 3.0}, {"y", 0.0}, {"z", 4.0}, {"vx", 9.0}, {"vy", 9.0}, {"doppler", 2.0}, {"speed", 5.0}}});
   std::vector<DopplerReturn> returns;
   DopplerExtractor automatic;
   automatic.extract(cloud.view(), returns);
@@ -77,8 +77,14 @@ TEST(DopplerExtractor, PrefersADopplerFieldAndScalesIt) {
 }
 
 TEST(DopplerExtractor, EachFilterCountsWhatItRefuses) {
-  const std::map<std::string, double> good = {{"x", 10.0}, {"y", 0.0},   {"vx", 1.0},           {"vy", 0.0},
-                                              {"rcs", 5.0}, {"pdh0", 1.0}, {"invalid_state", 0.0}, {"ambig_state", 3.0}};
+  const std::map<std::string, double> good = {{"x", 10.0},
+                                              {"y", 0.0},
+                                              {"vx", 1.0},
+                                              {"vy", 0.0},
+                                              {"rcs", 5.0},
+                                              {"pdh0", 1.0},
+                                              {"invalid_state", 0.0},
+                                              {"ambig_state", 3.0}};
   const auto with = [&](const std::string& field, double value) {
     auto point = good;
     point[field] = value;
@@ -86,9 +92,9 @@ TEST(DopplerExtractor, EachFilterCountsWhatItRefuses) {
   };
   const PointCloud cloud =
       makeCloud({"x", "y", "vx", "vy", "rcs"}, {"pdh0", "invalid_state", "ambig_state"},
-                {good, with("x", 0.1), with("x", 300.0), with("y", 20.0), with("rcs", -20.0), with("pdh0", 3.0),
-                 with("invalid_state", 4.0), with("ambig_state", 1.0), with("vx", std::nan("")),
-                 with("x", std::numeric_limits<double>::infinity())});
+                {good, with("x", 0.1), with("x", 300.0), with("y", 20.0), with("rcs", -20.0),
+                 with("pdh0", 3.0), with("invalid_state", 4.0), with("ambig_state", 1.0),
+                 with("vx", std::nan("")), with("x", std::numeric_limits<double>::infinity())});
   ExtractionParams params;
   params.filter.min_azimuth = -1.0;
   params.filter.max_azimuth = 1.0;
@@ -122,7 +128,8 @@ TEST(DopplerExtractor, EmptyAndNanCloudsGiveNoReturns) {
   const PointCloud cloud =
       makeCloud({"x", "y", "vx", "vy"}, {}, {{{"x", nan}, {"y", nan}, {"vx", nan}, {"vy", nan}}});
   EXPECT_EQ(extractor.extract(cloud.view(), returns).not_finite, 1U);
-  const PointCloud origin = makeCloud({"x", "y", "vx", "vy"}, {}, {{{"x", 0.0}, {"y", 0.0}, {"vx", 0.0}, {"vy", 0.0}}});
+  const PointCloud origin =
+      makeCloud({"x", "y", "vx", "vy"}, {}, {{{"x", 0.0}, {"y", 0.0}, {"vx", 0.0}, {"vy", 0.0}}});
   EXPECT_EQ(extractor.extract(origin.view(), returns).accepted, 0U);
 }
 
@@ -150,9 +157,13 @@ TEST(DopplerExtractor, AFieldBeyondThePointIsRefused) {
 TEST(DopplerExtractor, FollowsALayoutThatChanges) {
   DopplerExtractor extractor;
   std::vector<DopplerReturn> returns;
-  extractor.extract(makeCloud({"x", "y", "vx", "vy"}, {}, {{{"x", 5.0}, {"y", 0.0}, {"vx", -1.0}, {"vy", 0.0}}}).view(), returns);
+  extractor.extract(
+      makeCloud({"x", "y", "vx", "vy"}, {}, {{{"x", 5.0}, {"y", 0.0}, {"vx", -1.0}, {"vy", 0.0}}}).view(),
+      returns);
   EXPECT_FLOAT_EQ(returns.at(0).doppler, -1.F);
-  extractor.extract(makeCloud({"vy", "vx", "y", "x"}, {}, {{{"x", 5.0}, {"y", 0.0}, {"vx", -2.0}, {"vy", 0.0}}}).view(), returns);
+  extractor.extract(
+      makeCloud({"vy", "vx", "y", "x"}, {}, {{{"x", 5.0}, {"y", 0.0}, {"vx", -2.0}, {"vy", 0.0}}}).view(),
+      returns);
   EXPECT_FLOAT_EQ(returns.at(0).doppler, -2.F);
 }
 

@@ -13,12 +13,12 @@
 namespace radar_dot {
 namespace {
 
+using Eigen::Vector3d;
 using test::carMounts;
 using test::makeSweep;
 using test::mount;
 using test::Sweep;
 using test::SweepOptions;
-using Eigen::Vector3d;
 
 constexpr Solver kSolvers[] = {Solver::kLeastSquares, Solver::kRansac, Solver::kRansacRobust};
 
@@ -48,9 +48,11 @@ TEST(EgoVelocity, RecoversEveryModelExactlyWithoutNoise) {
       for (const bool two_pass : {false, true}) {
         EgoVelocityEstimator estimator(paramsFor(motion.model, solver, two_pass));
         const EgoVelocityResult& result = estimator.estimate(sweep.scans(), 0.0);
-        ASSERT_TRUE(result.valid()) << toString(motion.model) << ' ' << toString(solver) << ": " << result.reason;
+        ASSERT_TRUE(result.valid()) << toString(motion.model) << ' ' << toString(solver) << ": "
+                                    << result.reason;
         EXPECT_LT((result.linear - motion.linear).norm(), 2e-5) << toString(motion.model) << toString(solver);
-        EXPECT_LT((result.angular - motion.angular).norm(), 1e-5) << toString(motion.model) << toString(solver);
+        EXPECT_LT((result.angular - motion.angular).norm(), 1e-5)
+            << toString(motion.model) << toString(solver);
         EXPECT_EQ(result.inlier_count, result.return_count);
         EXPECT_EQ(result.dynamic_count, 0U);
         EXPECT_TRUE(result.fully_observed);
@@ -86,7 +88,8 @@ TEST(EgoVelocity, SignsFollowTheRangeRate) {
   std::vector<DopplerReturn> many;
   for (int i = 0; i < 4; ++i) many.insert(many.end(), returns.begin(), returns.end());
   EgoVelocityEstimator estimator(paramsFor(MotionModel::kPlanar, Solver::kLeastSquares));
-  const EgoVelocityResult& result = estimator.estimate({{&many, Eigen::Isometry3d::Identity(), 0.0, nullptr}}, 0.0);
+  const EgoVelocityResult& result =
+      estimator.estimate({{&many, Eigen::Isometry3d::Identity(), 0.0, nullptr}}, 0.0);
   ASSERT_TRUE(result.valid()) << result.reason;
   EXPECT_NEAR(result.linear.x(), 10.0, 1e-5);
   EXPECT_NEAR(result.linear.y(), 0.0, 1e-5);
@@ -105,8 +108,8 @@ TEST(EgoVelocity, LeverArmHasTheRightSign) {
     rear[i].doppler = 0.F;  // at the rotation centre nothing moves
   }
   EgoVelocityEstimator estimator(paramsFor(MotionModel::kPlanarYaw, Solver::kLeastSquares));
-  const EgoVelocityResult& result =
-      estimator.estimate({{&left, front, 0.0, nullptr}, {&rear, Eigen::Isometry3d::Identity(), 0.0, nullptr}}, 0.0);
+  const EgoVelocityResult& result = estimator.estimate(
+      {{&left, front, 0.0, nullptr}, {&rear, Eigen::Isometry3d::Identity(), 0.0, nullptr}}, 0.0);
   ASSERT_TRUE(result.valid()) << result.reason;
   EXPECT_NEAR(result.angular.z(), 0.2, 1e-5);
   EXPECT_NEAR(result.linear.norm(), 0.0, 1e-5);
@@ -141,7 +144,8 @@ TEST(EgoVelocity, SameSeedSameBits) {
   const Sweep sweep = makeSweep(carMounts(), {9.0, 0.0, 0.0}, {0.0, 0.0, 0.1}, options);
   EgoVelocityEstimator first(paramsFor(MotionModel::kPlanarYaw));
   EgoVelocityEstimator second(paramsFor(MotionModel::kPlanarYaw));
-  second.estimate(makeSweep(carMounts(), {1.0, 0.0, 0.0}, Vector3d::Zero()).scans(), 0.0);  // history has no effect
+  second.estimate(makeSweep(carMounts(), {1.0, 0.0, 0.0}, Vector3d::Zero()).scans(),
+                  0.0);  // history has no effect
   const EgoVelocityResult& a = first.estimate(sweep.scans(), 0.0);
   const EgoVelocityResult& b = second.estimate(sweep.scans(), 0.0);
   EXPECT_EQ(a.linear, b.linear);
@@ -166,7 +170,8 @@ TEST(EgoVelocity, SegmentationImprovesLeastSquares) {
     for (const Solver solver : {Solver::kLeastSquares, Solver::kRansac}) {
       for (const bool two_pass : {false, true}) {
         EgoVelocityEstimator estimator(paramsFor(MotionModel::kPlanar, solver, two_pass));
-        error[solver == Solver::kRansac][two_pass] += (estimator.estimate(sweep.scans(), 0.0).linear - v).norm() / 50;
+        error[solver == Solver::kRansac][two_pass] +=
+            (estimator.estimate(sweep.scans(), 0.0).linear - v).norm() / 50;
       }
     }
   }
@@ -234,7 +239,8 @@ TEST(EgoVelocity, SixtyPercentMovingIsSolvedOrRefused) {
       ++solved;
       worst = std::max(worst, (result.linear - v).norm());
     }
-    std::printf("60 %% moving, %s: %d of 100 solved, worst error %.4f m/s\n", toString(model).data(), solved, worst);
+    std::printf("60 %% moving, %s: %d of 100 solved, worst error %.4f m/s\n", toString(model).data(), solved,
+                worst);
     EXPECT_LT(worst, 0.1) << toString(model);
     EXPECT_GT(solved, 90) << toString(model) << ": refusing everything is no answer";
   }
@@ -452,7 +458,8 @@ TEST(EgoVelocity, SenselessParametersAreNamed) {
   };
   EXPECT_NE(messageOf([](auto& p) { p.ransac_iterations = 0; }).find("ransac_iterations"), std::string::npos);
   EXPECT_NE(messageOf([](auto& p) { p.doppler_std = 0.0; }).find("doppler_std"), std::string::npos);
-  EXPECT_NE(messageOf([](auto& p) { p.inlier_threshold = std::nan(""); }).find("inlier_threshold"), std::string::npos);
+  EXPECT_NE(messageOf([](auto& p) { p.inlier_threshold = std::nan(""); }).find("inlier_threshold"),
+            std::string::npos);
   EXPECT_THROW(motionModelFromString("bicycle"), std::invalid_argument);
   EXPECT_THROW(solverFromString("magic"), std::invalid_argument);
   EXPECT_EQ(motionModelFromString("ackermann"), MotionModel::kAckermann);

@@ -13,7 +13,8 @@ namespace {
 /// A static planar sweep at standstill, to which chosen returns are added.
 class Segmentation : public ::testing::Test {
  protected:
-  Segmentation() : sweep_(test::makeSweep(test::carMounts(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero())) {}
+  Segmentation()
+      : sweep_(test::makeSweep(test::carMounts(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero())) {}
 
   /// Adds a return of the front radar at (x, y) in the base frame with the given range rate.
   std::size_t add(double x, double y, double doppler) {

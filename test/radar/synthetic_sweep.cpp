@@ -9,7 +9,8 @@ namespace radar_dot::test {
 
 std::vector<RadarScan> Sweep::scans() const {
   std::vector<RadarScan> result;
-  for (std::size_t i = 0; i < returns.size(); ++i) result.push_back({&returns[i], mounts[i], times[i], nullptr});
+  for (std::size_t i = 0; i < returns.size(); ++i)
+    result.push_back({&returns[i], mounts[i], times[i], nullptr});
   return result;
 }
 
@@ -27,8 +28,8 @@ std::vector<Eigen::Isometry3d> carMounts() {
           mount(-0.56, 0.63, 0.5, 3.04), mount(-0.56, -0.62, 0.5, -3.07)};
 }
 
-Sweep makeSweep(const std::vector<Eigen::Isometry3d>& mounts, const Eigen::Vector3d& v, const Eigen::Vector3d& w,
-                const SweepOptions& options) {
+Sweep makeSweep(const std::vector<Eigen::Isometry3d>& mounts, const Eigen::Vector3d& v,
+                const Eigen::Vector3d& w, const SweepOptions& options) {
   std::mt19937 random(options.seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   std::normal_distribution<double> normal(0.0, 1.0);

@@ -17,13 +17,13 @@ struct SweepOptions {
   std::uint32_t seed = 1;
   std::size_t returns_per_radar = 60;
   double moving_share = 0.0;
-  double doppler_sigma = 0.0;    ///< m/s
-  double azimuth_sigma = 0.0;    ///< rad, of the reported bearing
-  double elevation_sigma = 0.0;  ///< rad
-  double half_field_of_view = 1.0;    ///< rad, azimuth
-  double max_elevation = 0.0;         ///< rad; 0 = planar
-  double max_target_speed = 8.0;      ///< m/s, of moving returns, added to their Doppler
-  double min_target_speed = 2.0;      ///< m/s
+  double doppler_sigma = 0.0;       ///< m/s
+  double azimuth_sigma = 0.0;       ///< rad, of the reported bearing
+  double elevation_sigma = 0.0;     ///< rad
+  double half_field_of_view = 1.0;  ///< rad, azimuth
+  double max_elevation = 0.0;       ///< rad; 0 = planar
+  double max_target_speed = 8.0;    ///< m/s, of moving returns, added to their Doppler
+  double min_target_speed = 2.0;    ///< m/s
 };
 
 struct Sweep {
@@ -41,7 +41,7 @@ std::vector<Eigen::Isometry3d> carMounts();
 Eigen::Isometry3d mount(double x, double y, double z, double yaw, double pitch = 0.0);
 
 /// Sweep of `mounts` on a body with velocity v (m/s) and angular velocity w (rad/s), base frame.
-Sweep makeSweep(const std::vector<Eigen::Isometry3d>& mounts, const Eigen::Vector3d& v, const Eigen::Vector3d& w,
-                const SweepOptions& options = {});
+Sweep makeSweep(const std::vector<Eigen::Isometry3d>& mounts, const Eigen::Vector3d& v,
+                const Eigen::Vector3d& w, const SweepOptions& options = {});
 
 }  // namespace radar_dot::test

@@ -27,7 +27,7 @@ struct LabelParams {
 
 /// A box at the time of a keyframe, with the velocity of its track.
 struct MovingBox {
-  double time = 0.0;  ///< s
+  double time = 0.0;                                   ///< s
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();    ///< m, map frame
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s, map frame
   Eigen::Matrix2d R_box_from_map = Eigen::Matrix2d::Identity();

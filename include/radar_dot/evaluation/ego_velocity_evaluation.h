@@ -43,6 +43,8 @@ struct VelocityEvaluationOptions {
   /// Model, solver and passes vary over the table; everything else is taken from here.
   EgoVelocityParams estimator;
   double window = 0.1;  ///< s, age of the oldest scan of a sweep
+  /// rad, by channel: added to the yaw of the calibrated mount.
+  std::map<std::string, double> mount_yaw_corrections;
   LabelParams labels;
 };
 
@@ -57,11 +59,27 @@ struct ModelErrors {
   ModelErrors& operator+=(const ModelErrors& other);
 };
 
+/// How far a radar's mount is turned from its calibration, as the true motion shows it. With the
+/// residual e = d + u.v of a static return at the true velocity v of the radar, and the speed
+/// c = (z x u).v across the line of sight, a mount that is really turned by psi leaves e = -psi c.
+struct MountError {
+  double numerator = 0.0;    ///< -sum c e
+  double denominator = 0.0;  ///< sum c^2
+  double yaw() const {       ///< psi, rad; NaN while the radar never moved
+    return denominator > 0.0 ? numerator / denominator : std::numeric_limits<double>::quiet_NaN();
+  }
+  MountError& operator+=(const MountError& other) {
+    numerator += other.numerator;
+    denominator += other.denominator;
+    return *this;
+  }
+};
+
 /// Results of one scene, or of several merged by operator+=.
 struct VelocityReport {
   std::string scene;
-  std::size_t frames = 0;   ///< pairs of consecutive keyframes
-  std::size_t refused = 0;  ///< of them, refused by the estimator in use
+  std::size_t frames = 0;                       ///< pairs of consecutive keyframes
+  std::size_t refused = 0;                      ///< of them, refused by the estimator in use
   std::map<std::string, std::size_t> refusals;  ///< by reason
   std::map<std::string, Mean> mae;              ///< by variant: |v - v_gt|, m/s
   std::map<std::string, ModelErrors> models;    ///< by motion model
@@ -71,8 +89,9 @@ struct VelocityReport {
   std::size_t sweeps = 0;          ///< estimates along the trajectory
   std::size_t sweeps_refused = 0;  ///< of them, refused
   TrajectoryError gt_heading, own_heading;
-  Confusion dynamic;      ///< every range
-  Confusion dynamic_70m;  ///< returns within 70 m of the base frame's origin
+  std::map<std::string, MountError> mounts;  ///< by channel
+  Confusion dynamic;                         ///< every range
+  Confusion dynamic_70m;                     ///< returns within 70 m of the base frame's origin
   VelocityReport& operator+=(const VelocityReport& other);
 };
 

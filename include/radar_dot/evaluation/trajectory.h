@@ -26,7 +26,9 @@ class PoseTrack {
   const std::vector<StampedPose>& poses() const noexcept { return poses_; }
 
   /// Is `time` covered, give or take `slack` seconds?
-  bool covers(double time, double slack = 0.1) const noexcept { return time >= begin() - slack && time <= end() + slack; }
+  bool covers(double time, double slack = 0.1) const noexcept {
+    return time >= begin() - slack && time <= end() + slack;
+  }
 
   /// Pose at `time`: linear in position, slerp in rotation; beyond the ends at the constant
   /// velocity of the nearest quarter of a second.

@@ -19,9 +19,9 @@ namespace radar_dot {
 
 /// How the Doppler constraints are solved.
 enum class Solver : std::uint8_t {
-  kLeastSquares,   ///< every return weighs the same (the paper's LSQ)
-  kRansac,         ///< consensus, then least squares on its inliers (the paper's LSQ+RANSAC)
-  kRansacRobust,   ///< consensus, then iteratively reweighted least squares (Cauchy weights)
+  kLeastSquares,  ///< every return weighs the same (the paper's LSQ)
+  kRansac,        ///< consensus, then least squares on its inliers (the paper's LSQ+RANSAC)
+  kRansacRobust,  ///< consensus, then iteratively reweighted least squares (Cauchy weights)
 };
 std::string_view toString(Solver solver) noexcept;
 /// "least_squares", "ransac", "ransac_robust". @throws std::invalid_argument listing them.
@@ -57,8 +57,8 @@ struct EgoVelocityParams {
   double doppler_std = 0.12;      ///< m/s, 1 sigma of one Doppler measurement: weights, covariance
   double azimuth_std = 0.0175;    ///< rad, 1 sigma of a bearing: its effect grows with the transverse speed
 
-  int min_returns = 6;               ///< fewer accepted returns: refused
-  double min_inlier_share = 0.25;    ///< of the accepted returns; less consensus: refused
+  int min_returns = 6;             ///< fewer accepted returns: refused
+  double min_inlier_share = 0.25;  ///< of the accepted returns; less consensus: refused
   /// Directions of the parameter space that the bearings constrain this much worse than the best
   /// one count as unobserved.
   double max_condition_number = 100.0;

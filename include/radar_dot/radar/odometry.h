@@ -17,10 +17,10 @@ namespace radar_dot {
 class VelocityIntegrator {
  public:
   struct State {
-    double time = 0.0;                                                        ///< s
+    double time = 0.0;  ///< s
     Eigen::Isometry3d T_odom_from_base = Eigen::Isometry3d::Identity();
     Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< x y z roll pitch yaw
-    double distance = 0.0;                                                    ///< m, length of the path
+    double distance = 0.0;                                                         ///< m, length of the path
   };
 
   /// Starts anew at the given pose; the next velocity only sets the clock.
