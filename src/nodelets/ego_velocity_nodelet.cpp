@@ -1,0 +1,332 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ego_velocity_nodelet.h"
+
+#include <geometry_msgs/TwistWithCovarianceStamped.h>
+
+#include <algorithm>
+#include <chrono>
+#include <pluginlib/class_list_macros.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "cloud_conversion.h"
+#include "radar_dot/EgoStatus.h"
+
+namespace radar_dot {
+namespace {
+
+// A mount may arrive a moment after the first scans; only then is its absence worth a warning.
+constexpr double kMountPatience = 1.0;  // s
+
+// A stamp further ahead of the clock than this is an error of some clock, not of transport.
+constexpr double kMaxLead = 1.0;  // s
+
+// A larger share of returns that are not finite is worth a warning.
+constexpr double kMaxShareNotFinite = 0.5;
+
+}  // namespace
+
+void EgoVelocityNodelet::onInit() {
+  ros::NodeHandle& handle = getNodeHandle();
+  ros::NodeHandle& private_handle = getPrivateNodeHandle();
+
+  extrinsics_ =
+      std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
+  sweep_params_.window = positiveParameter(private_handle, "window", sweep_params_.window);
+  sweep_params_.silent_after = positiveParameter(private_handle, "silent_after", sweep_params_.silent_after);
+  expectation_.rate = positiveParameter(private_handle, "expected_rate", expectation_.rate);
+  expectation_.rate_tolerance =
+      positiveParameter(private_handle, "rate_tolerance", expectation_.rate_tolerance);
+  expectation_.max_age = positiveParameter(private_handle, "max_age", expectation_.max_age);
+  // Slower radars than usual are waited for accordingly.
+  expectation_.silent_after = std::max(sweep_params_.silent_after, 3.0 / expectation_.rate);
+  estimator_monitor_ = std::make_unique<EstimatorMonitor>(expectation_);
+
+  twist_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
+  status_publisher_ = handle.advertise<EgoStatus>("ego/status", 10);
+  static_publisher_ = handle.advertise<sensor_msgs::PointCloud2>("radar/static", 20);
+  dynamic_publisher_ = handle.advertise<sensor_msgs::PointCloud2>("radar/dynamic", 20);
+
+  setUpRadars();
+  setUpReconfigure();
+  setUpDiagnostics();
+
+  const int queue_size = std::max(1, private_handle.param("queue_size", 5));
+  for (std::size_t i = 0; i < radars_.size(); ++i) {
+    radars_[i]->subscriber = handle.subscribe<sensor_msgs::PointCloud2>(
+        radars_[i]->config.topic, static_cast<std::uint32_t>(queue_size),
+        [this, i](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(i, cloud); });
+  }
+}
+
+void EgoVelocityNodelet::setUpRadars() {
+  const ros::NodeHandle& private_handle = getPrivateNodeHandle();
+  XmlRpc::XmlRpcValue value;
+  std::vector<RadarConfig> configs;
+  std::vector<std::string> problems;
+  if (private_handle.getParam("radars", value)) configs = radarsFromParameter(value, problems);
+  for (const std::string& problem : problems) {
+    NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
+    configuration_error_ = problem;
+  }
+  for (RadarConfig& config : configs) {
+    config.topic = getNodeHandle().resolveName(config.topic);
+    radars_.push_back(std::make_unique<Radar>(std::move(config), expectation_));
+  }
+  if (radars_.empty()) {
+    configuration_error_ = "no radars: set " + private_handle.resolveName("radars") +
+                           " to a dictionary, e.g. {radar_front: {topic: /radar_front}}";
+    NODELET_FATAL("%s", configuration_error_.c_str());
+  }
+  assembler_.emplace(radars_.size(), sweep_params_);
+}
+
+void EgoVelocityNodelet::setUpReconfigure() {
+  const ros::NodeHandle& private_handle = getPrivateNodeHandle();
+  for (const char* name : {"invalid_states", "ambig_states", "pdh0_states"}) {
+    XmlRpc::XmlRpcValue value;
+    if (!private_handle.getParam(name, value)) continue;
+    if (const std::optional<std::string> text = stateListText(value)) private_handle.setParam(name, *text);
+  }
+  reconfigure_server_ = std::make_unique<dynamic_reconfigure::Server<EgoVelocityConfig>>(private_handle);
+  reconfigure_server_->setCallback(
+      [this](EgoVelocityConfig& config, std::uint32_t level) { reconfigure(config, level); });
+}
+
+void EgoVelocityNodelet::applyConfig(const EgoVelocityConfig& config) {
+  // Everything that can refuse comes first: what is refused changes nothing.
+  const ExtractionParams common = extractionParams(config);
+  const DopplerExtractor check(common);
+  EgoVelocityEstimator estimator(estimatorParams(config));
+
+  estimator_ = std::move(estimator);
+  for (const std::unique_ptr<Radar>& radar : radars_) {
+    ExtractionParams params = common;
+    params.doppler_scale = radar->config.doppler_scale.value_or(common.doppler_scale);
+    radar->extractor = DopplerExtractor(params);
+  }
+}
+
+void EgoVelocityNodelet::reconfigure(EgoVelocityConfig& config, std::uint32_t /*level*/) {
+  try {
+    applyConfig(config);
+  } catch (const std::invalid_argument& error) {
+    NODELET_ERROR("%s: %s; keeping the %s", getName().c_str(), error.what(),
+                  config_ ? "parameters as they were" : "defaults");
+    config = config_.value_or(EgoVelocityConfig::__getDefault__());
+    if (!config_) applyConfig(config);
+  }
+  config_ = config;
+}
+
+void EgoVelocityNodelet::setUpDiagnostics() {
+  diagnostics_ =
+      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
+  diagnostics_->setHardwareID(extrinsics_->baseFrame());
+  diagnostics_->add("configuration", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
+    using diagnostic_msgs::DiagnosticStatus;
+    if (configuration_error_.empty()) {
+      status.summaryf(DiagnosticStatus::OK, "%zu radars", radars_.size());
+    } else {
+      status.summary(DiagnosticStatus::ERROR, configuration_error_);
+    }
+  });
+  diagnostics_->add("estimator", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
+    estimator_monitor_->report(ros::Time::now(), status);
+  });
+  for (const std::unique_ptr<Radar>& radar : radars_) {
+    diagnostics_->add("radar " + radar->config.name,
+                      [monitor = &radar->monitor](diagnostic_updater::DiagnosticStatusWrapper& status) {
+                        monitor->report(ros::Time::now(), status);
+                      });
+  }
+  // Wall time: the updater's own timing stops when a bag starts again.
+  diagnostics_timer_ = getNodeHandle().createWallTimer(
+      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+}
+
+void EgoVelocityNodelet::refuse(Radar& radar, const std::string& cause) {
+  radar.monitor.refuse(cause);
+  if (throttle_.allow(radar.config.name + cause)) {
+    NODELET_WARN("%s: cloud on '%s' refused: %s", getName().c_str(), radar.config.topic.c_str(),
+                 cause.c_str());
+  }
+}
+
+std::shared_ptr<const RadarReading> EgoVelocityNodelet::read(Radar& radar,
+                                                             const sensor_msgs::PointCloud2ConstPtr& cloud) {
+  const ros::Time now = ros::Time::now();
+  if (cloud->header.frame_id.empty()) throw std::invalid_argument("its frame_id is empty");
+  if (cloud->header.stamp.isZero()) throw std::invalid_argument("its stamp is zero");
+  if (!now.isZero() && (cloud->header.stamp - now).toSec() > kMaxLead) {
+    throw std::invalid_argument("its stamp is more than 1 s ahead of the clock; synchronise the clocks");
+  }
+  auto reading = std::make_shared<RadarReading>();
+  reading->cloud = cloud;
+  reading->view = viewOf(*cloud, reading->fields);
+  if (reading->view.size() > 0) reading->counts = radar.extractor.extract(reading->view, reading->returns);
+  return reading;
+}
+
+void EgoVelocityNodelet::onCloud(std::size_t index, const sensor_msgs::PointCloud2ConstPtr& cloud) {
+  Radar& radar = *radars_[index];
+  std::shared_ptr<const RadarReading> reading;
+  try {
+    reading = read(radar, cloud);
+  } catch (const std::invalid_argument& error) {
+    refuse(radar, error.what());
+    return;
+  }
+
+  const ExtractionCounts& counts = reading->counts;
+  // One point of NaN is how some radars say "nothing seen".
+  if (counts.total > 1 &&
+      static_cast<double>(counts.not_finite) > kMaxShareNotFinite * static_cast<double>(counts.total) &&
+      throttle_.allow(radar.config.name + " not finite")) {
+    NODELET_WARN("%s: %zu of %zu returns on '%s' are not finite", getName().c_str(), counts.not_finite,
+                 counts.total, radar.config.topic.c_str());
+  }
+
+  const SweepAssembler::Outcome outcome =
+      assembler_->add({index, cloud->header.stamp.toSec(), reading}, completed_);
+  if (outcome == SweepAssembler::Outcome::kStale) {
+    refuse(radar, "its stamp is not later than that of the cloud before");
+    return;
+  }
+  if (outcome == SweepAssembler::Outcome::kReset) {
+    NODELET_WARN("%s: time went back to %.3f s; starting anew", getName().c_str(),
+                 cloud->header.stamp.toSec());
+    forgetThePast();
+  }
+  radar.monitor.scan(cloud->header.stamp, ros::Time::now(), cloud->header.frame_id, counts);
+  for (const Sweep& sweep : completed_) processSweep(sweep);
+  completed_.clear();
+}
+
+void EgoVelocityNodelet::forgetThePast() {
+  tracker_.reset();
+  estimator_monitor_->reset();
+  for (const std::unique_ptr<Radar>& radar : radars_) radar->monitor.reset();
+}
+
+std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(const Sweep& sweep,
+                                                                              std::vector<RadarScan>& scans,
+                                                                              std::string& error) {
+  std::vector<MountedScan> mounted;
+  for (const SweepScan& scan : sweep.scans) {
+    Radar& radar = *radars_[scan.radar];
+    const std::string& frame = scan.reading->cloud->header.frame_id;
+    std::string cause;
+    const std::optional<Eigen::Isometry3d> mount = extrinsics_->lookup(frame, cause);
+    radar.monitor.mount(cause);
+    if (!mount) {
+      const ros::WallTime now = ros::WallTime::now();
+      const ros::WallTime since = mount_missing_since_.try_emplace(frame, now).first->second;
+      if ((now - since).toSec() > kMountPatience && throttle_.allow(frame)) {
+        NODELET_WARN("%s: the scans on '%s' are skipped: %s", getName().c_str(), radar.config.topic.c_str(),
+                     cause.c_str());
+      }
+      error = cause;
+      continue;
+    }
+    mount_missing_since_.erase(frame);
+    RadarScan& estimated = scans.emplace_back();
+    estimated.returns = &scan.reading->returns;
+    estimated.T_base_from_sensor = *mount;
+    estimated.T_base_from_sensor.linear() =
+        Eigen::AngleAxisd(radar.config.mount_yaw_correction, Eigen::Vector3d::UnitZ()) * mount->linear();
+    estimated.time = scan.time;
+    mounted.push_back({scan.radar, scan.reading});
+  }
+  return mounted;
+}
+
+void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
+  std::vector<RadarScan> scans;
+  std::string mount_error;
+  const std::vector<MountedScan> mounted = mountedScans(sweep, scans, mount_error);
+
+  const ros::Time stamp = sweep.scans[sweep.newest].reading->cloud->header.stamp;
+  const auto start = std::chrono::steady_clock::now();
+  const EgoVelocityResult& result =
+      estimator_.estimate(scans, sweep.time(), tracker_.acceleration(sweep.time()));
+  const double computation_time =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  estimator_monitor_->estimate(stamp, ros::Time::now(), result, sweep.left_out, computation_time);
+
+  std::string reason = result.reason;
+  if (!result.valid() && !mount_error.empty()) reason += "; " + mount_error;
+  publishStatus(stamp, sweep, result, reason, computation_time);
+  if (!result.valid()) {
+    if (throttle_.allow("refused")) NODELET_WARN("%s: no estimate: %s", getName().c_str(), reason.c_str());
+    return;
+  }
+  if (result.fully_observed) tracker_.add(sweep.time(), result.linear);
+  publishTwist(stamp, result);
+  publishClouds(mounted, result);
+}
+
+void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, const EgoVelocityResult& result) {
+  geometry_msgs::TwistWithCovarianceStamped message;
+  message.header.stamp = stamp;
+  message.header.frame_id = extrinsics_->baseFrame();
+  message.twist.twist.linear.x = result.linear.x();
+  message.twist.twist.linear.y = result.linear.y();
+  message.twist.twist.linear.z = result.linear.z();
+  message.twist.twist.angular.x = result.angular.x();
+  message.twist.twist.angular.y = result.angular.y();
+  message.twist.twist.angular.z = result.angular.z();
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(message.twist.covariance.data()) =
+      result.covariance;
+  twist_publisher_.publish(message);
+}
+
+void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const Sweep& sweep,
+                                       const EgoVelocityResult& result, const std::string& reason,
+                                       double computation_time) {
+  if (status_publisher_.getNumSubscribers() == 0) return;
+  EgoStatus message;
+  message.header.stamp = stamp;
+  message.header.frame_id = extrinsics_->baseFrame();
+  switch (result.status) {
+    case EstimateStatus::kOk: message.status = EgoStatus::OK; break;
+    case EstimateStatus::kTooFewReturns: message.status = EgoStatus::TOO_FEW_RETURNS; break;
+    case EstimateStatus::kDegenerateBearings: message.status = EgoStatus::DEGENERATE_BEARINGS; break;
+    case EstimateStatus::kNoConsensus: message.status = EgoStatus::NO_CONSENSUS; break;
+  }
+  message.reason = reason;
+  message.model = std::string(toString(estimator_.params().model));
+  message.solver = std::string(toString(estimator_.params().solver));
+  for (const SweepScan& scan : sweep.scans) {
+    message.total_count += static_cast<std::uint32_t>(scan.reading->counts.total);
+  }
+  message.return_count = static_cast<std::uint32_t>(result.return_count);
+  message.inlier_count = static_cast<std::uint32_t>(result.inlier_count);
+  message.dynamic_count = static_cast<std::uint32_t>(result.dynamic_count);
+  message.radar_count = static_cast<std::uint32_t>(sweep.scans.size());
+  message.rms = result.rms;
+  message.condition_number = result.condition_number;
+  for (std::size_t i = 0; i < result.observed.size(); ++i) message.observed[i] = result.observed[i];
+  message.computation_time = computation_time;
+  status_publisher_.publish(message);
+}
+
+void EgoVelocityNodelet::publishClouds(const std::vector<MountedScan>& scans,
+                                       const EgoVelocityResult& result) {
+  const auto publish = [&](const ros::Publisher& publisher, ReturnLabel wanted) {
+    if (publisher.getNumSubscribers() == 0) return;
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      const RadarReading& reading = *scans[i].reading;
+      publisher.publish(labelledCloud(*reading.cloud, reading.view, reading.returns,
+                                      result.residuals.data() + result.offsets[i],
+                                      result.labels.data() + result.offsets[i], wanted));
+    }
+  };
+  publish(static_publisher_, ReturnLabel::kStatic);
+  publish(dynamic_publisher_, ReturnLabel::kDynamic);
+}
+
+}  // namespace radar_dot
+
+PLUGINLIB_EXPORT_CLASS(radar_dot::EgoVelocityNodelet, nodelet::Nodelet)

@@ -1,0 +1,344 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry_nodelet.h"
+
+#include <nav_msgs/Odometry.h>
+
+#include <algorithm>
+#include <array>
+#include <pluginlib/class_list_macros.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "parameters.h"
+
+namespace radar_dot {
+namespace {
+
+constexpr std::size_t kMaxPending = 50;      // twists waiting for a rotation
+constexpr double kResetAfter = 1.0;          // s, a step back in time that starts everything anew
+constexpr double kUnobservedVariance = 1e5;  // (m/s)^2 or (rad/s)^2
+constexpr double kPendingPeriod = 0.05;      // s, how often waiting twists are looked at
+constexpr std::array<const char*, 6> kComponents = {"vx", "vy", "vz", "wx", "wy", "wz"};
+
+using CovarianceMap = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>;
+
+Eigen::Vector3d vectorOf(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace
+
+void OdometryNodelet::onInit() {
+  ros::NodeHandle& handle = getNodeHandle();
+  ros::NodeHandle& private_handle = getPrivateNodeHandle();
+
+  odom_frame_ = private_handle.param<std::string>("odom_frame", "odom");
+  start_at_source_ = private_handle.param("start_at_source", false);
+  publish_tf_ = private_handle.param("publish_tf", true);
+  publish_source_tf_ = private_handle.param("publish_source_tf", false);
+  extrinsics_ =
+      std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
+  StreamExpectation expectation;
+  expectation.rate = positiveParameter(private_handle, "expected_rate", expectation.rate);
+  expectation.rate_tolerance =
+      positiveParameter(private_handle, "rate_tolerance", expectation.rate_tolerance);
+  expectation.max_age = positiveParameter(private_handle, "max_age", expectation.max_age);
+  expectation.silent_after = std::max(expectation.silent_after, 3.0 / expectation.rate);
+  twist_monitor_ = std::make_unique<StreamMonitor>(expectation);
+
+  odometry_publisher_ = handle.advertise<nav_msgs::Odometry>("odom", 10);
+  // Who joins late gets the path so far; it is sent again when it grows.
+  path_publisher_ = handle.advertise<nav_msgs::Path>(
+      "path", 1, [this](const ros::SingleSubscriberPublisher& subscriber) { subscriber.publish(path_); });
+  broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
+  static_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+
+  reconfigure_server_ = std::make_unique<dynamic_reconfigure::Server<OdometryConfig>>(private_handle);
+  reconfigure_server_->setCallback([this](OdometryConfig& config, std::uint32_t) { config_ = config; });
+  setUpRotationSource();
+  setUpDiagnostics();
+  twist_subscriber_ = handle.subscribe<geometry_msgs::TwistWithCovarianceStamped>(
+      "ego/twist", 20,
+      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { onTwist(twist); });
+}
+
+void OdometryNodelet::setUpRotationSource() {
+  ros::NodeHandle& private_handle = getPrivateNodeHandle();
+  RotationSource::Callbacks callbacks;
+  callbacks.sample = [this] { processPending(); };
+  callbacks.time_reset = [this] { forgetThePast(rotation_source_->describe(), ros::Time::now().toSec()); };
+  callbacks.warn = [this](const std::string& text) { warn(text); };
+  try {
+    rotation_source_ =
+        makeRotationSource(private_handle.param<std::string>("rotation_source", "radar"), getNodeHandle(),
+                           private_handle, *extrinsics_, std::move(callbacks));
+  } catch (const std::invalid_argument& error) {
+    configuration_error_ = std::string(error.what()) + "; using the yaw rate of the radars";
+    NODELET_ERROR("%s: %s", getName().c_str(), configuration_error_.c_str());
+  }
+  if (start_at_source_ && !(rotation_source_ && rotation_source_->hasPosition())) {
+    configuration_error_ = "start_at_source needs rotation_source odometry or tf; starting at the origin";
+    NODELET_ERROR("%s: %s", getName().c_str(), configuration_error_.c_str());
+    start_at_source_ = false;
+  }
+  if (rotation_source_) {
+    pending_timer_ = getNodeHandle().createWallTimer(
+        ros::WallDuration(kPendingPeriod), [this](const ros::WallTimerEvent&) { processPending(); });
+  }
+}
+
+void OdometryNodelet::setUpDiagnostics() {
+  diagnostics_ =
+      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
+  diagnostics_->setHardwareID(extrinsics_->baseFrame());
+  diagnostics_->add("odometry", this, &OdometryNodelet::report);
+  diagnostics_->add("rotation", this, &OdometryNodelet::reportRotation);
+  diagnostics_timer_ = getNodeHandle().createWallTimer(
+      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+}
+
+void OdometryNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  twist_monitor_->report(ros::Time::now(), status);
+  if (!unobserved_.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN, "not observed, taken as 0: " + unobserved_);
+  }
+  if (!configuration_error_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_error_);
+  status.add("twist topic", twist_subscriber_.getTopic());
+  status.addf("distance (m)", "%.2f", distance_before_gap_ + integrator_.state().distance);
+  status.addf("gaps", "%zu", gaps_);
+  status.addf("twists refused", "%zu", refused_);
+}
+
+void OdometryNodelet::reportRotation(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!rotation_source_) {
+    status.summary(DiagnosticStatus::OK, "yaw rate of the radars");
+    return;
+  }
+  const std::optional<double> latest = rotation_source_->latest();
+  if (!latest) {
+    status.summary(DiagnosticStatus::ERROR, "nothing from " + rotation_source_->describe());
+  } else if (without_rotation_ > 0) {
+    status.summaryf(DiagnosticStatus::WARN, "%zu twists without a rotation from %s", without_rotation_,
+                    rotation_source_->describe().c_str());
+  } else {
+    status.summary(DiagnosticStatus::OK, rotation_source_->describe());
+  }
+  if (latest) status.addf("age (s)", "%.3f", std::max(0.0, ros::Time::now().toSec() - *latest));
+  status.addf("twists waiting", "%zu", pending_.size());
+  without_rotation_ = 0;
+}
+
+void OdometryNodelet::warn(const std::string& text) {
+  if (throttle_.allow(text)) NODELET_WARN("%s: %s", getName().c_str(), text.c_str());
+}
+
+void OdometryNodelet::forgetThePast(const std::string& who, double time) {
+  NODELET_WARN("%s: time went back to %.3f s (%s); starting anew", getName().c_str(), time, who.c_str());
+  pending_.clear();
+  last_stamp_.reset();
+  integrator_.reset();
+  started_ = false;
+  R_odom_from_source_.reset();
+  distance_before_gap_ = 0.0;
+  covariance_before_gap_.setZero();
+  path_.poses.clear();
+  if (path_publisher_.getNumSubscribers() > 0) path_publisher_.publish(path_);
+  twist_monitor_->reset();
+  if (rotation_source_) rotation_source_->reset();
+}
+
+std::string OdometryNodelet::defectOf(const geometry_msgs::TwistWithCovarianceStamped& twist) const {
+  if (twist.header.stamp.isZero()) return "its stamp is zero";
+  if (twist.header.frame_id != extrinsics_->baseFrame()) {
+    return "its frame is '" + twist.header.frame_id + "', not the base frame '" + extrinsics_->baseFrame() +
+           "'";
+  }
+  if (!vectorOf(twist.twist.twist.linear).allFinite() || !vectorOf(twist.twist.twist.angular).allFinite() ||
+      !CovarianceMap(twist.twist.covariance.data()).allFinite()) {
+    return "it is not finite";
+  }
+  return {};
+}
+
+void OdometryNodelet::onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) {
+  const double time = twist->header.stamp.toSec();
+  std::string defect = defectOf(*twist);
+  if (defect.empty() && last_stamp_ && time <= *last_stamp_) {
+    if (*last_stamp_ - time > kResetAfter) {
+      forgetThePast("twist", time);
+    } else {
+      defect = "its stamp is not later than that of the twist before";
+    }
+  }
+  if (!defect.empty()) {
+    ++refused_;
+    warn("twist on '" + twist_subscriber_.getTopic() + "' refused: " + defect);
+    return;
+  }
+  last_stamp_ = time;
+  const ros::Time now = ros::Time::now();
+  twist_monitor_->tick(twist->header.stamp, now);
+  pending_.push_back({twist, now});
+  processPending();
+}
+
+void OdometryNodelet::processPending() {
+  const ros::Time now = ros::Time::now();
+  while (!pending_.empty()) {
+    const geometry_msgs::TwistWithCovarianceStampedConstPtr twist = pending_.front().message;
+    std::optional<PoseSample> pose;
+    if (rotation_source_) {
+      pose = rotation_source_->at(twist->header.stamp);
+      const bool patient = now - pending_.front().arrival <= ros::Duration(config_.rotation_timeout);
+      if (!pose && patient && pending_.size() <= kMaxPending) return;
+      if (!pose) {
+        ++without_rotation_;
+        warn("no rotation at the stamp of a twist from " + rotation_source_->describe());
+      }
+    }
+    pending_.pop_front();
+    integrate(*twist, pose);
+  }
+}
+
+bool OdometryNodelet::start(const std::optional<PoseSample>& pose) {
+  Eigen::Isometry3d T_odom_from_base = Eigen::Isometry3d::Identity();
+  if (start_at_source_) {
+    if (!pose) return false;
+    T_odom_from_base.linear() = pose->rotation.toRotationMatrix();
+    T_odom_from_base.translation() = pose->position;
+    R_odom_from_source_ = Eigen::Quaterniond::Identity();
+    if (publish_source_tf_) publishSourceTf();
+  }
+  integrator_.reset(T_odom_from_base);
+  started_ = true;
+  return true;
+}
+
+void OdometryNodelet::publishSourceTf() {
+  if (rotation_source_->frame().empty() || rotation_source_->frame() == odom_frame_) return;
+  // We start at the source's own pose: the two frames coincide.
+  geometry_msgs::TransformStamped transform;
+  transform.header.stamp = ros::Time::now();
+  transform.header.frame_id = rotation_source_->frame();
+  transform.child_frame_id = odom_frame_;
+  transform.transform.rotation.w = 1.0;
+  static_broadcaster_->sendTransform(transform);
+}
+
+std::optional<Eigen::Quaterniond> OdometryNodelet::rotationFrom(const std::optional<PoseSample>& pose) {
+  if (!pose) {
+    // A relative source knows nothing of the turn it slept through.
+    if (rotation_source_ && !rotation_source_->isAbsolute()) R_odom_from_source_.reset();
+    return std::nullopt;
+  }
+  if (!R_odom_from_source_) {
+    const Eigen::Quaterniond current(integrator_.state().T_odom_from_base.linear());
+    R_odom_from_source_ = headingOf(current) * headingOf(pose->rotation).inverse();
+  }
+  return *R_odom_from_source_ * pose->rotation;
+}
+
+OdometryNodelet::BodyVelocity OdometryNodelet::bodyVelocity(
+    const geometry_msgs::TwistWithCovarianceStamped& twist, bool rotation_known) {
+  BodyVelocity velocity{vectorOf(twist.twist.twist.linear), vectorOf(twist.twist.twist.angular),
+                        CovarianceMap(twist.twist.covariance.data())};
+  unobserved_.clear();
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    if (velocity.covariance(i, i) < kUnobservedVariance) continue;
+    (i < 3 ? velocity.linear(i) : velocity.angular(i - 3)) = 0.0;
+    // A vehicle on its wheels neither climbs nor rolls nor pitches by itself: no news for anybody.
+    const bool matters = i < 2 || (i == 5 && !rotation_known);
+    if (matters)
+      unobserved_ +=
+          (unobserved_.empty() ? "" : ", ") + std::string(kComponents[static_cast<std::size_t>(i)]);
+  }
+  if (!unobserved_.empty()) warn("the twist does not observe " + unobserved_ + ": taken as 0");
+  return velocity;
+}
+
+void OdometryNodelet::bridgeGap(double gap, double speed) {
+  const VelocityIntegrator::State state = integrator_.state();
+  distance_before_gap_ += state.distance;
+  covariance_before_gap_ += state.covariance;
+  covariance_before_gap_.topLeftCorner<3, 3>().diagonal().array() += speed * speed * gap * gap;
+  integrator_.reset(state.T_odom_from_base);
+  ++gaps_;
+  NODELET_WARN("%s: no twist for %.2f s (max_gap %.2f s): not integrated over", getName().c_str(), gap,
+               config_.max_gap);
+}
+
+void OdometryNodelet::integrate(const geometry_msgs::TwistWithCovarianceStamped& twist,
+                                const std::optional<PoseSample>& pose) {
+  if (!started_ && !start(pose)) {
+    warn("waiting for a first pose from " + rotation_source_->describe());
+    return;
+  }
+  const double time = twist.header.stamp.toSec();
+  const std::optional<Eigen::Quaterniond> rotation = rotationFrom(pose);
+  const BodyVelocity velocity = bodyVelocity(twist, rotation.has_value());
+  const double gap = integrator_.started() ? time - integrator_.state().time : 0.0;
+  if (gap > config_.max_gap) bridgeGap(gap, velocity.linear.norm());
+  if (integrator_.add(time, velocity.linear, velocity.angular, velocity.covariance, rotation)) publish(twist);
+}
+
+void OdometryNodelet::publish(const geometry_msgs::TwistWithCovarianceStamped& twist) {
+  const VelocityIntegrator::State& state = integrator_.state();
+  const Eigen::Quaterniond rotation(state.T_odom_from_base.linear());
+  const Eigen::Vector3d position = state.T_odom_from_base.translation();
+
+  nav_msgs::Odometry odometry;
+  odometry.header.stamp = twist.header.stamp;
+  odometry.header.frame_id = odom_frame_;
+  odometry.child_frame_id = extrinsics_->baseFrame();
+  odometry.pose.pose.position.x = position.x();
+  odometry.pose.pose.position.y = position.y();
+  odometry.pose.pose.position.z = position.z();
+  odometry.pose.pose.orientation.w = rotation.w();
+  odometry.pose.pose.orientation.x = rotation.x();
+  odometry.pose.pose.orientation.y = rotation.y();
+  odometry.pose.pose.orientation.z = rotation.z();
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(odometry.pose.covariance.data()) =
+      covariance_before_gap_ + state.covariance;
+  odometry.twist = twist.twist;
+  odometry_publisher_.publish(odometry);
+
+  if (publish_tf_) {
+    geometry_msgs::TransformStamped transform;
+    transform.header = odometry.header;
+    transform.child_frame_id = odometry.child_frame_id;
+    transform.transform.translation.x = position.x();
+    transform.transform.translation.y = position.y();
+    transform.transform.translation.z = position.z();
+    transform.transform.rotation = odometry.pose.pose.orientation;
+    broadcaster_->sendTransform(transform);
+  }
+
+  geometry_msgs::PoseStamped pose;
+  pose.header = odometry.header;
+  pose.pose = odometry.pose.pose;
+  extendPath(pose);
+}
+
+void OdometryNodelet::extendPath(const geometry_msgs::PoseStamped& pose) {
+  if (!path_.poses.empty()) {
+    const geometry_msgs::Point& last = path_.poses.back().pose.position;
+    const Eigen::Vector3d step(pose.pose.position.x - last.x, pose.pose.position.y - last.y,
+                               pose.pose.position.z - last.z);
+    if (step.norm() < config_.path_min_distance) return;
+  }
+  path_.header = pose.header;
+  path_.poses.push_back(pose);
+  const auto length = static_cast<std::size_t>(config_.path_length);
+  if (path_.poses.size() > length) {
+    // A tenth at a time, so that a full path is not moved by one pose again and again.
+    const std::size_t surplus = path_.poses.size() - length + length / 10;
+    path_.poses.erase(path_.poses.begin(), path_.poses.begin() + static_cast<std::ptrdiff_t>(surplus));
+  }
+  if (path_publisher_.getNumSubscribers() > 0) path_publisher_.publish(path_);
+}
+
+}  // namespace radar_dot
+
+PLUGINLIB_EXPORT_CLASS(radar_dot::OdometryNodelet, nodelet::Nodelet)

@@ -1,0 +1,29 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include <vector>
+
+#include "radar_dot/radar/doppler_returns.h"
+#include "radar_dot/radar/ego_velocity.h"
+#include "radar_dot/radar/point_cloud.h"
+
+namespace radar_dot {
+
+/// A view of a message's points, valid while message and `fields` live; `fields` is replaced.
+/// @throws std::invalid_argument when the sizes in the message contradict each other or its data
+///         are in the other byte order.
+PointCloudView viewOf(const sensor_msgs::PointCloud2& cloud, std::vector<PointField>& fields);
+
+/// The accepted returns of one scan that carry the label `wanted`: every field of the input, bit
+/// for bit, and behind them `doppler` (range rate as used, m/s) and `residual` (signed, m/s), both
+/// float32. Where the input has a field of that name already, ours is called ego_doppler or
+/// ego_residual. Header copied.
+/// @param residuals, labels  one for each of `returns`, in their order
+sensor_msgs::PointCloud2 labelledCloud(const sensor_msgs::PointCloud2& cloud, const PointCloudView& view,
+                                       const std::vector<DopplerReturn>& returns, const float* residuals,
+                                       const ReturnLabel* labels, ReturnLabel wanted);
+
+}  // namespace radar_dot

@@ -1,0 +1,98 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <dynamic_reconfigure/server.h>
+#include <nodelet/nodelet.h>
+#include <ros/ros.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "extrinsics.h"
+#include "log_throttle.h"
+#include "monitors.h"
+#include "parameters.h"
+#include "radar_dot/EgoVelocityConfig.h"
+#include "radar_dot/radar/doppler_returns.h"
+#include "radar_dot/radar/ego_velocity.h"
+#include "radar_dot/radar/odometry.h"
+#include "sweep_assembler.h"
+
+namespace radar_dot {
+
+/// One scan as it was received and read.
+struct RadarReading {
+  sensor_msgs::PointCloud2ConstPtr cloud;
+  std::vector<PointField> fields;
+  PointCloudView view;  ///< into `cloud` and `fields`
+  std::vector<DopplerReturn> returns;
+  ExtractionCounts counts;
+};
+
+/// Velocity of the vehicle, static and dynamic returns from any number of radars.
+///
+/// All callbacks run one after the other in the nodelet's single-threaded queue; only TF is
+/// received beside it, in the thread of its listener.
+class EgoVelocityNodelet : public nodelet::Nodelet {
+ private:
+  struct Radar {
+    Radar(RadarConfig radar_config, const StreamExpectation& expectation)
+        : config(std::move(radar_config)), monitor(config.topic, expectation) {}
+    RadarConfig config;
+    RadarMonitor monitor;
+    DopplerExtractor extractor;
+    ros::Subscriber subscriber;
+  };
+  /// A scan of a sweep whose mount is known.
+  struct MountedScan {
+    std::size_t radar = 0;
+    std::shared_ptr<const RadarReading> reading;
+  };
+
+  void onInit() override;
+  void setUpRadars();
+  void setUpReconfigure();
+  void setUpDiagnostics();
+  void reconfigure(EgoVelocityConfig& config, std::uint32_t level);
+  void applyConfig(const EgoVelocityConfig& config);
+
+  void onCloud(std::size_t radar, const sensor_msgs::PointCloud2ConstPtr& cloud);
+  std::shared_ptr<const RadarReading> read(Radar& radar, const sensor_msgs::PointCloud2ConstPtr& cloud);
+  void refuse(Radar& radar, const std::string& cause);
+  void forgetThePast();
+
+  void processSweep(const Sweep& sweep);
+  std::vector<MountedScan> mountedScans(const Sweep& sweep, std::vector<RadarScan>& scans,
+                                        std::string& error);
+  void publishTwist(const ros::Time& stamp, const EgoVelocityResult& result);
+  void publishStatus(const ros::Time& stamp, const Sweep& sweep, const EgoVelocityResult& result,
+                     const std::string& reason, double computation_time);
+  void publishClouds(const std::vector<MountedScan>& scans, const EgoVelocityResult& result);
+
+  std::unique_ptr<Extrinsics> extrinsics_;
+  std::vector<std::unique_ptr<Radar>> radars_;
+  std::string configuration_error_;
+  StreamExpectation expectation_;
+  SweepParams sweep_params_;
+  std::optional<SweepAssembler> assembler_;
+  std::vector<Sweep> completed_;  // kept between calls for its memory
+  EgoVelocityEstimator estimator_;
+  AccelerationTracker tracker_;
+  std::map<std::string, ros::WallTime> mount_missing_since_;  // by frame
+
+  ros::Publisher twist_publisher_, status_publisher_, static_publisher_, dynamic_publisher_;
+  LogThrottle throttle_;
+  std::optional<EgoVelocityConfig> config_;
+  std::unique_ptr<dynamic_reconfigure::Server<EgoVelocityConfig>> reconfigure_server_;
+  std::unique_ptr<EstimatorMonitor> estimator_monitor_;
+  std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
+  ros::WallTimer diagnostics_timer_;
+};
+
+}  // namespace radar_dot

@@ -1,0 +1,103 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <dynamic_reconfigure/server.h>
+#include <geometry_msgs/TwistWithCovarianceStamped.h>
+#include <nav_msgs/Path.h>
+#include <nodelet/nodelet.h>
+#include <ros/ros.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "extrinsics.h"
+#include "log_throttle.h"
+#include "monitors.h"
+#include "radar_dot/OdometryConfig.h"
+#include "radar_dot/radar/odometry.h"
+#include "rotation_source.h"
+
+namespace radar_dot {
+
+/// Odometry and path from the vehicle's velocity and a source of rotation.
+///
+/// A twist waits for a rotation at its stamp, in order, until rotation_timeout; then it is
+/// integrated with its own yaw rate. All callbacks run one after the other.
+class OdometryNodelet : public nodelet::Nodelet {
+ private:
+  struct PendingTwist {
+    geometry_msgs::TwistWithCovarianceStampedConstPtr message;
+    ros::Time arrival;
+  };
+  /// A twist with what is not observed set to zero.
+  struct BodyVelocity {
+    Eigen::Vector3d linear, angular;
+    Eigen::Matrix<double, 6, 6> covariance;
+  };
+
+  void onInit() override;
+  void setUpRotationSource();
+  void setUpDiagnostics();
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void reportRotation(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  void onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist);
+  /// Why the twist cannot be used; empty when it can.
+  std::string defectOf(const geometry_msgs::TwistWithCovarianceStamped& twist) const;
+  void processPending();
+  void integrate(const geometry_msgs::TwistWithCovarianceStamped& twist,
+                 const std::optional<PoseSample>& pose);
+  bool start(const std::optional<PoseSample>& pose);
+  BodyVelocity bodyVelocity(const geometry_msgs::TwistWithCovarianceStamped& twist, bool rotation_known);
+  /// Rotation of the base in the odometry's frame, from the source's.
+  std::optional<Eigen::Quaterniond> rotationFrom(const std::optional<PoseSample>& pose);
+  void publishSourceTf();
+  void bridgeGap(double gap, double speed);
+  void forgetThePast(const std::string& who, double time);
+  void warn(const std::string& text);
+
+  void publish(const geometry_msgs::TwistWithCovarianceStamped& twist);
+  void extendPath(const geometry_msgs::PoseStamped& pose);
+
+  std::string odom_frame_;
+  bool start_at_source_ = false;
+  bool publish_tf_ = true;
+  bool publish_source_tf_ = false;
+  OdometryConfig config_ = OdometryConfig::__getDefault__();
+  std::string configuration_error_;
+
+  std::unique_ptr<Extrinsics> extrinsics_;
+  std::unique_ptr<RotationSource> rotation_source_;  // none: the twist's own yaw rate
+  std::deque<PendingTwist> pending_;
+  std::optional<double> last_stamp_;  // of the twists received, s
+
+  VelocityIntegrator integrator_;
+  bool started_ = false;
+  std::optional<Eigen::Quaterniond> R_odom_from_source_;
+  // What the integrator had gathered before it was restarted at a gap.
+  double distance_before_gap_ = 0.0;
+  Eigen::Matrix<double, 6, 6> covariance_before_gap_ = Eigen::Matrix<double, 6, 6>::Zero();
+  nav_msgs::Path path_;
+
+  std::unique_ptr<StreamMonitor> twist_monitor_;
+  std::string unobserved_;            // components of the latest twist taken as zero
+  std::size_t without_rotation_ = 0;  // twists since the last report integrated without the source
+  std::size_t gaps_ = 0, refused_ = 0;
+
+  ros::Publisher odometry_publisher_, path_publisher_;
+  std::unique_ptr<tf2_ros::TransformBroadcaster> broadcaster_;
+  std::unique_ptr<tf2_ros::StaticTransformBroadcaster> static_broadcaster_;
+  ros::Subscriber twist_subscriber_;
+  LogThrottle throttle_;
+  std::unique_ptr<dynamic_reconfigure::Server<OdometryConfig>> reconfigure_server_;
+  std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
+  ros::WallTimer diagnostics_timer_, pending_timer_;
+};
+
+}  // namespace radar_dot

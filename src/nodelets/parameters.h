@@ -1,0 +1,47 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <XmlRpcValue.h>
+#include <ros/node_handle.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "radar_dot/EgoVelocityConfig.h"
+#include "radar_dot/radar/doppler_returns.h"
+#include "radar_dot/radar/ego_velocity.h"
+
+namespace radar_dot {
+
+/// One entry of the parameter `radars`.
+struct RadarConfig {
+  std::string name;
+  std::string topic;
+  std::optional<double> doppler_scale;  ///< none: the common one
+  double mount_yaw_correction = 0.0;    ///< rad, added to the yaw of the mount from TF
+};
+
+/// Reads `radars`, a dictionary name -> {topic, doppler_scale, mount_yaw_correction}.
+/// Entries that make no sense are left out; `problems` gets one line for each of them.
+std::vector<RadarConfig> radarsFromParameter(XmlRpc::XmlRpcValue& radars, std::vector<std::string>& problems);
+
+/// "0, 4" -> {0, 4}; "" -> {}. @throws std::invalid_argument naming the parameter.
+std::vector<int> stateList(const std::string& text, const std::string& parameter);
+
+/// Turns the value of a state list that was written as a number or a list (0, [0, 4]) into the
+/// text that dynamic_reconfigure wants. None: the value is a text already, or no state list.
+std::optional<std::string> stateListText(XmlRpc::XmlRpcValue& value);
+
+/// Extraction as configured, with the common doppler_scale. @throws std::invalid_argument.
+ExtractionParams extractionParams(const EgoVelocityConfig& config);
+
+/// Estimator and segmentation as configured. @throws std::invalid_argument.
+EgoVelocityParams estimatorParams(const EgoVelocityConfig& config);
+
+/// A private parameter that must be finite and positive; else one error line, and the default.
+double positiveParameter(const ros::NodeHandle& private_handle, const std::string& name,
+                         double default_value);
+
+}  // namespace radar_dot

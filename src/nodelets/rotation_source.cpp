@@ -1,0 +1,178 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rotation_source.h"
+
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/Imu.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace radar_dot {
+namespace {
+
+constexpr std::uint32_t kQueueSize = 200;
+
+/// Orientation and position from a nav_msgs/Odometry of the base frame.
+class OdometrySource : public RotationSource {
+ public:
+  OdometrySource(ros::NodeHandle& handle, const std::string& base_frame, Callbacks callbacks)
+      : base_frame_(base_frame), callbacks_(std::move(callbacks)) {
+    subscriber_ = handle.subscribe<nav_msgs::Odometry>(
+        "rotation/odom", kQueueSize,
+        [this](const nav_msgs::OdometryConstPtr& odometry) { onOdometry(*odometry); });
+  }
+  std::optional<PoseSample> at(const ros::Time& stamp) override { return buffer_.at(stamp.toSec()); }
+  std::optional<double> latest() const override { return buffer_.latest(); }
+  void reset() override { buffer_.clear(); }
+  bool isAbsolute() const override { return true; }
+  bool hasPosition() const override { return true; }
+  std::string frame() const override { return frame_; }
+  std::string describe() const override { return "odometry on '" + subscriber_.getTopic() + "'"; }
+
+ private:
+  void onOdometry(const nav_msgs::Odometry& odometry) {
+    const geometry_msgs::Quaternion& q = odometry.pose.pose.orientation;
+    const geometry_msgs::Point& p = odometry.pose.pose.position;
+    PoseSample sample;
+    sample.time = odometry.header.stamp.toSec();
+    sample.rotation = Eigen::Quaterniond(q.w, q.x, q.y, q.z);
+    sample.position = {p.x, p.y, p.z};
+    const double norm = sample.rotation.norm();
+    if (!(std::abs(norm - 1.0) < 0.1) || !sample.position.allFinite() || odometry.header.stamp.isZero()) {
+      callbacks_.warn(describe() + ": a pose without stamp, unit quaternion or finite position is left out");
+      return;
+    }
+    if (!odometry.child_frame_id.empty() && odometry.child_frame_id != base_frame_) {
+      callbacks_.warn(describe() + ": its child frame is '" + odometry.child_frame_id + "', not '" +
+                      base_frame_ + "'; its rotation is taken as that of '" + base_frame_ + "'");
+    }
+    sample.rotation.normalize();
+    frame_ = odometry.header.frame_id;
+    const SampleOutcome outcome = buffer_.add(sample);
+    if (outcome == SampleOutcome::kReset) {
+      callbacks_.time_reset();
+      buffer_.add(sample);
+    }
+    if (outcome != SampleOutcome::kStale) callbacks_.sample();
+  }
+
+  std::string base_frame_;
+  std::string frame_;
+  Callbacks callbacks_;
+  PoseBuffer buffer_;
+  ros::Subscriber subscriber_;
+};
+
+/// Heading from the yaw rate of an IMU. Its orientation is not used: many IMUs do not have one
+/// that deserves the name.
+class ImuSource : public RotationSource {
+ public:
+  ImuSource(ros::NodeHandle& handle, Extrinsics& extrinsics, Callbacks callbacks)
+      : extrinsics_(extrinsics), callbacks_(std::move(callbacks)) {
+    subscriber_ = handle.subscribe<sensor_msgs::Imu>(
+        "rotation/imu", kQueueSize, [this](const sensor_msgs::ImuConstPtr& imu) { onImu(*imu); });
+  }
+  std::optional<PoseSample> at(const ros::Time& stamp) override { return buffer_.at(stamp.toSec()); }
+  std::optional<double> latest() const override { return buffer_.latest(); }
+  void reset() override {
+    buffer_.clear();
+    heading_.reset();
+  }
+  bool isAbsolute() const override { return false; }
+  bool hasPosition() const override { return false; }
+  std::string frame() const override { return {}; }
+  std::string describe() const override { return "IMU on '" + subscriber_.getTopic() + "'"; }
+
+ private:
+  void onImu(const sensor_msgs::Imu& imu) {
+    const Eigen::Vector3d rate(imu.angular_velocity.x, imu.angular_velocity.y, imu.angular_velocity.z);
+    // -1 in the first place of a covariance is how sensor_msgs/Imu says "not measured".
+    if (!rate.allFinite() || imu.header.stamp.isZero() || imu.angular_velocity_covariance[0] == -1.0) {
+      callbacks_.warn(describe() + ": a reading without stamp or angular velocity is left out");
+      return;
+    }
+    std::string error;
+    const std::optional<Eigen::Isometry3d> mount = extrinsics_.lookup(imu.header.frame_id, error);
+    if (!mount) {
+      callbacks_.warn(describe() + ": " + error);
+      return;
+    }
+    const double time = imu.header.stamp.toSec();
+    const std::optional<double> previous = buffer_.latest();
+    if (previous && time <= *previous) {
+      if (*previous - time <= 1.0) return;
+      callbacks_.time_reset();
+      reset();
+    }
+    if (heading_.add(time, (mount->linear() * rate).z())) buffer_.clear();
+    PoseSample sample;
+    sample.time = time;
+    sample.rotation = Eigen::AngleAxisd(heading_.yaw(), Eigen::Vector3d::UnitZ());
+    buffer_.add(sample);
+    callbacks_.sample();
+  }
+
+  Extrinsics& extrinsics_;
+  Callbacks callbacks_;
+  PoseBuffer buffer_;
+  YawIntegrator heading_;
+  ros::Subscriber subscriber_;
+};
+
+/// Pose of the base frame in a fixed frame of TF.
+class TfSource : public RotationSource {
+ public:
+  TfSource(std::string fixed_frame, Extrinsics& extrinsics)
+      : fixed_frame_(std::move(fixed_frame)), extrinsics_(extrinsics) {}
+
+  std::optional<PoseSample> at(const ros::Time& stamp) override {
+    try {
+      const Eigen::Isometry3d pose = isometryOf(
+          extrinsics_.buffer().lookupTransform(fixed_frame_, extrinsics_.baseFrame(), stamp).transform);
+      latest_ = stamp.toSec();
+      return PoseSample{stamp.toSec(), Eigen::Quaterniond(pose.linear()), pose.translation()};
+    } catch (const tf2::TransformException&) {
+      return std::nullopt;
+    }
+  }
+  std::optional<double> latest() const override { return latest_; }
+  void reset() override { latest_.reset(); }
+  bool isAbsolute() const override { return true; }
+  bool hasPosition() const override { return true; }
+  std::string frame() const override { return fixed_frame_; }
+  std::string describe() const override {
+    return "TF from '" + extrinsics_.baseFrame() + "' to '" + fixed_frame_ + "'";
+  }
+
+ private:
+  std::string fixed_frame_;
+  Extrinsics& extrinsics_;
+  std::optional<double> latest_;
+};
+
+}  // namespace
+
+std::unique_ptr<RotationSource> makeRotationSource(const std::string& name, ros::NodeHandle& handle,
+                                                   ros::NodeHandle& private_handle, Extrinsics& extrinsics,
+                                                   RotationSource::Callbacks callbacks) {
+  if (name == "radar") return nullptr;
+  if (name == "odometry") {
+    return std::make_unique<OdometrySource>(handle, extrinsics.baseFrame(), std::move(callbacks));
+  }
+  if (name == "imu") return std::make_unique<ImuSource>(handle, extrinsics, std::move(callbacks));
+  if (name == "tf") {
+    std::string fixed_frame;
+    private_handle.getParam("rotation_fixed_frame", fixed_frame);
+    if (fixed_frame.empty() || fixed_frame == private_handle.param<std::string>("odom_frame", "odom")) {
+      throw std::invalid_argument("rotation_source tf needs " +
+                                  private_handle.resolveName("rotation_fixed_frame") +
+                                  ": a frame of TF other than our own odom_frame");
+    }
+    return std::make_unique<TfSource>(fixed_frame, extrinsics);
+  }
+  throw std::invalid_argument("rotation_source '" + name + "' is not one of odometry, imu, tf, radar");
+}
+
+}  // namespace radar_dot

@@ -1,0 +1,51 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/ros.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "extrinsics.h"
+#include "pose_buffer.h"
+
+namespace radar_dot {
+
+/// Where the odometry takes its rotation from.
+class RotationSource {
+ public:
+  /// Told about the source by the one who uses it.
+  struct Callbacks {
+    std::function<void()> sample;      ///< a new sample is there
+    std::function<void()> time_reset;  ///< the source's time went back
+    std::function<void(const std::string&)> warn;
+  };
+
+  virtual ~RotationSource() = default;
+
+  /// Pose of the base frame in the source's own frame; none: not known, or not yet.
+  virtual std::optional<PoseSample> at(const ros::Time& stamp) = 0;
+  /// Time of the latest sample, s; none: nothing received.
+  virtual std::optional<double> latest() const = 0;
+  virtual void reset() = 0;
+  /// True where rotations before and after a silence compare with each other.
+  virtual bool isAbsolute() const = 0;
+  /// True where samples have a position.
+  virtual bool hasPosition() const = 0;
+  /// Frame that samples with a position are given in; empty: not known (yet).
+  virtual std::string frame() const = 0;
+  /// One line for logs: what the source listens to.
+  virtual std::string describe() const = 0;
+};
+
+/// "odometry" (nav_msgs/Odometry on rotation/odom), "imu" (sensor_msgs/Imu on rotation/imu: its
+/// yaw rate), "tf" (private parameter rotation_fixed_frame), or "radar": none, the twist's own yaw
+/// rate. @throws std::invalid_argument for another name or a missing parameter.
+std::unique_ptr<RotationSource> makeRotationSource(const std::string& name, ros::NodeHandle& handle,
+                                                   ros::NodeHandle& private_handle, Extrinsics& extrinsics,
+                                                   RotationSource::Callbacks callbacks);
+
+}  // namespace radar_dot

@@ -1,0 +1,88 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live_graph.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <stdexcept>
+
+namespace radar_dot::test {
+
+bool waitUntil(const std::function<bool()>& condition, double timeout) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout);
+  while (!condition()) {
+    if (ros::WallTime::now() > end || !ros::ok()) return condition();
+    ros::WallDuration(0.02).sleep();
+  }
+  return true;
+}
+
+BagPlayer::BagPlayer(const std::vector<std::string>& arguments) {
+  std::vector<std::string> command = {"rosbag", "play", "--quiet"};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& argument : command) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  child_ = fork();
+  if (child_ < 0) throw std::runtime_error("cannot start rosbag play");
+  if (child_ == 0) {
+    setpgid(0, 0);
+    execvp(argv[0], argv.data());
+    _exit(127);
+  }
+}
+
+BagPlayer::~BagPlayer() {
+  if (child_ <= 0) return;
+  // rosbag starts the player itself: the whole group has to go.
+  kill(-child_, SIGINT);
+  if (wait(3.0) < 0) {
+    kill(-child_, SIGKILL);
+    wait(3.0);
+  }
+}
+
+int BagPlayer::wait(double timeout) {
+  int status = 0;
+  const auto ended = [&] { return child_ <= 0 || waitpid(child_, &status, WNOHANG) == child_; };
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout);
+  while (!ended()) {
+    if (ros::WallTime::now() > end) return -1;
+    ros::WallDuration(0.02).sleep();
+  }
+  child_ = -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+Diagnostics::Diagnostics(ros::NodeHandle& handle)
+    : subscriber_(handle.subscribe<diagnostic_msgs::DiagnosticArray>(
+          "/diagnostics", 1000, [this](const diagnostic_msgs::DiagnosticArrayConstPtr& array) {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            for (const diagnostic_msgs::DiagnosticStatus& status : array->status) {
+              Status entry;
+              entry.level = status.level;
+              entry.message = status.message;
+              for (const diagnostic_msgs::KeyValue& value : status.values)
+                entry.values[value.key] = value.value;
+              history_[status.name].push_back(entry);
+            }
+          })) {}
+
+Diagnostics::Status Diagnostics::latest(const std::string& name) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = history_.find(name);
+  return found == history_.end() ? Status{} : found->second.back();
+}
+
+bool Diagnostics::seen(const std::string& name, int level) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = history_.find(name);
+  return found != history_.end() &&
+         std::any_of(found->second.begin(), found->second.end(),
+                     [level](const Status& status) { return status.level == level; });
+}
+
+}  // namespace radar_dot::test

@@ -1,0 +1,162 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nodelets/parameters.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace radar_dot {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+// dynamic_reconfigure is where a user reads the defaults: they must be those of the library.
+TEST(Parameters, DefaultsOfTheConfigAreThoseOfTheExtraction) {
+  const ExtractionParams configured = extractionParams(EgoVelocityConfig::__getDefault__());
+  const ExtractionParams expected;
+  EXPECT_EQ(configured.doppler_field, expected.doppler_field);
+  EXPECT_EQ(configured.doppler_scale, expected.doppler_scale);
+  EXPECT_EQ(configured.filter.min_range, expected.filter.min_range);
+  EXPECT_EQ(configured.filter.max_range, expected.filter.max_range);
+  EXPECT_EQ(configured.filter.min_azimuth, expected.filter.min_azimuth);
+  EXPECT_EQ(configured.filter.max_azimuth, expected.filter.max_azimuth);
+  EXPECT_EQ(configured.filter.min_rcs, expected.filter.min_rcs);
+  EXPECT_EQ(configured.filter.max_rcs, expected.filter.max_rcs);
+  EXPECT_EQ(configured.filter.invalid_states, expected.filter.invalid_states);
+  EXPECT_EQ(configured.filter.ambig_states, expected.filter.ambig_states);
+  EXPECT_EQ(configured.filter.pdh0_states, expected.filter.pdh0_states);
+}
+
+TEST(Parameters, DefaultsOfTheConfigAreThoseOfTheEstimator) {
+  const EgoVelocityParams configured = estimatorParams(EgoVelocityConfig::__getDefault__());
+  const EgoVelocityParams expected;
+  EXPECT_EQ(configured.model, expected.model);
+  EXPECT_EQ(configured.solver, expected.solver);
+  EXPECT_EQ(configured.two_pass, expected.two_pass);
+  EXPECT_EQ(configured.seed, expected.seed);
+  EXPECT_EQ(configured.ransac_iterations, expected.ransac_iterations);
+  EXPECT_EQ(configured.inlier_threshold, expected.inlier_threshold);
+  EXPECT_EQ(configured.robust_iterations, expected.robust_iterations);
+  EXPECT_EQ(configured.doppler_std, expected.doppler_std);
+  EXPECT_EQ(configured.azimuth_std, expected.azimuth_std);
+  EXPECT_EQ(configured.min_returns, expected.min_returns);
+  EXPECT_EQ(configured.min_inlier_share, expected.min_inlier_share);
+  EXPECT_EQ(configured.max_condition_number, expected.max_condition_number);
+  EXPECT_EQ(configured.unobserved_variance, expected.unobserved_variance);
+  EXPECT_EQ(configured.segmentation.threshold, expected.segmentation.threshold);
+  EXPECT_EQ(configured.segmentation.neighbourhood, expected.segmentation.neighbourhood);
+  EXPECT_EQ(configured.segmentation.isolated_threshold, expected.segmentation.isolated_threshold);
+  EXPECT_EQ(configured.segmentation.supported_threshold, expected.segmentation.supported_threshold);
+  EXPECT_EQ(configured.segmentation.neighbour_distance, expected.segmentation.neighbour_distance);
+  EXPECT_EQ(configured.segmentation.neighbour_velocity, expected.segmentation.neighbour_velocity);
+}
+
+TEST(Parameters, EveryModelAndSolverOfTheConfigIsKnown) {
+  EgoVelocityConfig config = EgoVelocityConfig::__getDefault__();
+  for (const char* model :
+       {EgoVelocity_planar, EgoVelocity_planar_yaw, EgoVelocity_ackermann, EgoVelocity_spatial}) {
+    config.model = model;
+    EXPECT_EQ(toString(estimatorParams(config).model), model);
+  }
+  for (const char* solver : {EgoVelocity_least_squares, EgoVelocity_ransac, EgoVelocity_ransac_robust}) {
+    config.solver = solver;
+    EXPECT_EQ(toString(estimatorParams(config).solver), solver);
+  }
+}
+
+TEST(Parameters, NonsenseIsRefused) {
+  const EgoVelocityConfig good = EgoVelocityConfig::__getDefault__();
+  EgoVelocityConfig config = good;
+  config.model = "helicopter";
+  EXPECT_THROW(estimatorParams(config), std::invalid_argument);
+  config = good;
+  config.min_azimuth = 1.0;
+  config.max_azimuth = -1.0;
+  EXPECT_THROW(extractionParams(config), std::invalid_argument);
+  config = good;
+  config.min_rcs = 5.0;
+  config.max_rcs = 5.0;
+  EXPECT_THROW(extractionParams(config), std::invalid_argument);
+}
+
+TEST(Parameters, LimitsInsideTheirRangesAreKept) {
+  EgoVelocityConfig config = EgoVelocityConfig::__getDefault__();
+  config.min_azimuth = -0.5;
+  config.max_azimuth = 0.75;
+  config.min_rcs = -10.0;
+  const ExtractionParams params = extractionParams(config);
+  EXPECT_EQ(params.filter.min_azimuth, -0.5);
+  EXPECT_EQ(params.filter.max_azimuth, 0.75);
+  EXPECT_EQ(params.filter.min_rcs, -10.0);
+  EXPECT_TRUE(std::isinf(params.filter.max_rcs));
+}
+
+TEST(StateList, ReadsListsAndRefusesAnythingElse) {
+  EXPECT_EQ(stateList("", "p"), std::vector<int>{});
+  EXPECT_EQ(stateList("  ", "p"), std::vector<int>{});
+  EXPECT_EQ(stateList("0", "p"), std::vector<int>{0});
+  EXPECT_EQ(stateList(" 0, 4 ,17", "p"), (std::vector<int>{0, 4, 17}));
+  for (const char* text : {"a", "1,,2", "1 2", "-1", "256", "1.5", ",1"}) {
+    EXPECT_THROW(stateList(text, "p"), std::invalid_argument) << text;
+  }
+}
+
+TEST(StateList, NumbersAndListsOfYamlBecomeText) {
+  XmlRpcValue number(3);
+  EXPECT_EQ(stateListText(number), std::string("3"));
+  XmlRpcValue list;
+  list.setSize(2);
+  list[0] = 0;
+  list[1] = 4;
+  EXPECT_EQ(stateListText(list), std::string("0, 4"));
+  XmlRpcValue text("0, 4");
+  EXPECT_FALSE(stateListText(text));
+}
+
+TEST(Radars, AreReadWithTheirOptions) {
+  XmlRpcValue value;
+  value["front"]["topic"] = std::string("radar_front");
+  value["rear"]["topic"] = std::string("/radar_rear");
+  value["rear"]["doppler_scale"] = -1;
+  value["rear"]["mount_yaw_correction"] = 0.02;
+  std::vector<std::string> problems;
+  const std::vector<RadarConfig> radars = radarsFromParameter(value, problems);
+  EXPECT_TRUE(problems.empty());
+  ASSERT_EQ(radars.size(), 2U);
+  EXPECT_EQ(radars[0].name, "front");
+  EXPECT_EQ(radars[0].topic, "radar_front");
+  EXPECT_FALSE(radars[0].doppler_scale);
+  EXPECT_EQ(radars[0].mount_yaw_correction, 0.0);
+  EXPECT_EQ(radars[1].doppler_scale, -1.0);
+  EXPECT_EQ(radars[1].mount_yaw_correction, 0.02);
+}
+
+TEST(Radars, BadEntriesAreNamedAndTheOthersStay) {
+  XmlRpcValue value;
+  value["good"]["topic"] = std::string("a");
+  value["no_topic"]["doppler_scale"] = 1.0;
+  value["typo"]["topic"] = std::string("b");
+  value["typo"]["dopler_scale"] = 1.0;
+  value["zero"]["topic"] = std::string("c");
+  value["zero"]["doppler_scale"] = 0;
+  value["text"] = std::string("radar");
+  std::vector<std::string> problems;
+  const std::vector<RadarConfig> radars = radarsFromParameter(value, problems);
+  ASSERT_EQ(radars.size(), 1U);
+  EXPECT_EQ(radars[0].name, "good");
+  ASSERT_EQ(problems.size(), 4U);
+  EXPECT_NE(problems[0].find("radars/no_topic/topic"), std::string::npos);
+  EXPECT_NE(problems[1].find("radars/text"), std::string::npos);
+  EXPECT_NE(problems[2].find("radars/typo/dopler_scale"), std::string::npos);
+  EXPECT_NE(problems[3].find("radars/zero/doppler_scale"), std::string::npos);
+
+  XmlRpcValue list;
+  list.setSize(1);
+  list[0] = std::string("front");
+  EXPECT_TRUE(radarsFromParameter(list, problems).empty());
+  EXPECT_EQ(problems.size(), 5U);
+}
+
+}  // namespace
+}  // namespace radar_dot
