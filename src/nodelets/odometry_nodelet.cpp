@@ -64,7 +64,10 @@ void OdometryNodelet::onInit() {
 void OdometryNodelet::setUpRotationSource() {
   ros::NodeHandle& private_handle = getPrivateNodeHandle();
   RotationSource::Callbacks callbacks;
-  callbacks.sample = [this] { processPending(); };
+  callbacks.sample = [this] {
+    publishSourceTf();
+    processPending();
+  };
   callbacks.time_reset = [this] { forgetThePast(rotation_source_->describe(), ros::Time::now().toSec()); };
   callbacks.warn = [this](const std::string& text) { warn(text); };
   try {
@@ -209,7 +212,7 @@ bool OdometryNodelet::start(const std::optional<PoseSample>& pose) {
     T_odom_from_base.linear() = pose->rotation.toRotationMatrix();
     T_odom_from_base.translation() = pose->position;
     R_odom_from_source_ = Eigen::Quaterniond::Identity();
-    if (publish_source_tf_) publishSourceTf();
+    publishSourceTf();
   }
   integrator_.reset(T_odom_from_base);
   started_ = true;
@@ -217,11 +220,13 @@ bool OdometryNodelet::start(const std::optional<PoseSample>& pose) {
 }
 
 void OdometryNodelet::publishSourceTf() {
-  if (rotation_source_->frame().empty() || rotation_source_->frame() == odom_frame_) return;
+  const std::string frame = rotation_source_->frame();
+  if (!publish_source_tf_ || !start_at_source_ || frame == tied_frame_ || frame == odom_frame_) return;
+  tied_frame_ = frame;
   // We start at the source's own pose: the two frames coincide.
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = ros::Time::now();
-  transform.header.frame_id = rotation_source_->frame();
+  transform.header.frame_id = frame;
   transform.child_frame_id = odom_frame_;
   transform.transform.rotation.w = 1.0;
   static_broadcaster_->sendTransform(transform);

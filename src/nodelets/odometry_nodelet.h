@@ -57,6 +57,7 @@ class OdometryNodelet : public nodelet::Nodelet {
   BodyVelocity bodyVelocity(const geometry_msgs::TwistWithCovarianceStamped& twist, bool rotation_known);
   /// Rotation of the base in the odometry's frame, from the source's.
   std::optional<Eigen::Quaterniond> rotationFrom(const std::optional<PoseSample>& pose);
+  /// Once per frame of the source, when asked for.
   void publishSourceTf();
   void bridgeGap(double gap, double speed);
   void forgetThePast(const std::string& who, double time);
@@ -69,6 +70,7 @@ class OdometryNodelet : public nodelet::Nodelet {
   bool start_at_source_ = false;
   bool publish_tf_ = true;
   bool publish_source_tf_ = false;
+  std::string tied_frame_;  // frame of the source that was published to coincide with odom_frame_
   OdometryConfig config_ = OdometryConfig::__getDefault__();
   std::string configuration_error_;
 
