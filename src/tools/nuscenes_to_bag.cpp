@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <map>
@@ -52,29 +52,34 @@ struct Interrupted : std::runtime_error {
   int signal;
 };
 
-/// Holds SIGINT, SIGTERM and SIGHUP back while it lives, so that a conversion can be ended where
-/// it cleans up after itself.
+/// The signal that came last. A handler can reach nothing but a global; blocking the signals instead
+/// would not do, because libraries start threads of their own, where they would still end the process.
+volatile std::sig_atomic_t signal_received = 0;
+
+/// Only notes SIGINT, SIGTERM and SIGHUP while it lives, so that a conversion can be ended where it
+/// cleans up after itself.
 class SignalWatch {
  public:
   SignalWatch() {
-    sigemptyset(&watched_);
-    for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&watched_, number);
-    pthread_sigmask(SIG_BLOCK, &watched_, &before_);
+    struct sigaction action {};
+    action.sa_handler = [](int number) { signal_received = number; };
+    action.sa_flags = SA_RESTART;
+    for (std::size_t i = 0; i < kWatched.size(); ++i) sigaction(kWatched[i], &action, &before_[i]);
   }
-  ~SignalWatch() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  ~SignalWatch() {
+    for (std::size_t i = 0; i < kWatched.size(); ++i) sigaction(kWatched[i], &before_[i], nullptr);
+  }
   SignalWatch(const SignalWatch&) = delete;
   SignalWatch& operator=(const SignalWatch&) = delete;
 
   /// @throws Interrupted when one of the signals has come.
   void check() const {
-    const timespec now{};
-    const int number = sigtimedwait(&watched_, nullptr, &now);
-    if (number > 0) throw Interrupted(number);
+    if (signal_received != 0) throw Interrupted(signal_received);
   }
 
  private:
-  sigset_t watched_{};
-  sigset_t before_{};
+  static constexpr std::array<int, 3> kWatched = {SIGINT, SIGTERM, SIGHUP};
+  std::array<struct sigaction, 3> before_{};
 };
 
 void addOptions(CLI::App& app, Arguments& arguments) {
