@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <memory>
 #include <optional>
 
 #include "radar_dot/radar/odometry.h"
+#include "radar_dot/radar/sweep_assembler.h"
 #include "radar_scene.h"
 
 namespace radar_dot::evaluation {
@@ -75,34 +78,52 @@ class WheelSpeed {
   const std::vector<dataset::CanVehicleInfo>& wheels_;
 };
 
-/// Estimates every sweep of the scene, as the nodelet would: one sweep per scan of the radar with
-/// the most scans, with the latest scan of each other radar within the window.
+/// Every sweep of the scene, assembled as on a vehicle where each scan arrives at its stamp.
+std::vector<Sweep> assembleSweeps(const RadarScene& scene, const VelocityEvaluationOptions& options) {
+  std::vector<SweepScan> arrivals;
+  for (std::size_t radar = 0; radar < scene.radars.size(); ++radar) {
+    for (const LoadedScan& scan : scene.radars[radar].scans) {
+      // Not owned: the scene outlives its sweeps.
+      arrivals.push_back(
+          {radar, scan.time, std::shared_ptr<const void>(std::shared_ptr<const void>(), &scan)});
+    }
+  }
+  std::stable_sort(arrivals.begin(), arrivals.end(),
+                   [](const SweepScan& a, const SweepScan& b) { return a.time < b.time; });
+  SweepParams params;
+  params.window = options.window;
+  SweepAssembler assembler(scene.radars.size(), params);
+  std::vector<Sweep> sweeps;
+  std::vector<Sweep> completed;
+  for (SweepScan& scan : arrivals) {
+    assembler.add(std::move(scan), completed);
+    std::move(completed.begin(), completed.end(), std::back_inserter(sweeps));
+  }
+  return sweeps;
+}
+
+/// Estimates every sweep of the scene.
 std::vector<StampedVelocity> estimateSweeps(const RadarScene& scene, const VelocityEvaluationOptions& options,
                                             VelocityReport& report) {
   std::vector<StampedVelocity> velocities;
   EgoVelocityEstimator estimator(options.estimator);
   AccelerationTracker tracker;
-  const auto leader =
-      std::max_element(scene.radars.begin(), scene.radars.end(),
-                       [](const auto& a, const auto& b) { return a.scans.size() < b.scans.size(); });
-  for (const LoadedScan& trigger : leader->scans) {
+  for (const Sweep& sweep : assembleSweeps(scene, options)) {
     std::vector<RadarScan> scans;
-    for (const LoadedRadar& radar : scene.radars) {
-      auto after = std::upper_bound(radar.scans.begin(), radar.scans.end(), trigger.time,
-                                    [](double t, const LoadedScan& scan) { return t < scan.time; });
-      if (after == radar.scans.begin() || trigger.time - std::prev(after)->time > options.window) continue;
-      scans.push_back(radar.scan(static_cast<std::size_t>(std::prev(after) - radar.scans.begin())));
+    for (const SweepScan& scan : sweep.scans) {
+      const auto* loaded = static_cast<const LoadedScan*>(scan.reading.get());
+      scans.push_back({&loaded->returns, scene.radars[scan.radar].T_base_from_sensor, scan.time, nullptr});
     }
     ++report.sweeps;
     const EgoVelocityResult& result =
-        estimator.estimate(scans, trigger.time, tracker.acceleration(trigger.time));
+        estimator.estimate(scans, sweep.time(), tracker.acceleration(sweep.time()));
     if (!result.valid()) {
       ++report.sweeps_refused;
       continue;
     }
     if (!result.fully_observed) continue;  // a single radar at the start of a scene
-    tracker.add(trigger.time, result.linear);
-    velocities.push_back({trigger.time, result.linear, result.angular, result.covariance});
+    tracker.add(sweep.time(), result.linear);
+    velocities.push_back({sweep.time(), result.linear, result.angular, result.covariance});
   }
   return velocities;
 }

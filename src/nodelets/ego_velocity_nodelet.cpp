@@ -25,6 +25,10 @@ constexpr double kMaxLead = 1.0;  // s
 // A larger share of returns that are not finite is worth a warning.
 constexpr double kMaxShareNotFinite = 0.5;
 
+std::shared_ptr<const RadarReading> readingOf(const SweepScan& scan) {
+  return std::static_pointer_cast<const RadarReading>(scan.reading);
+}
+
 }  // namespace
 
 void EgoVelocityNodelet::onInit() {
@@ -216,7 +220,8 @@ std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(co
   std::vector<MountedScan> mounted;
   for (const SweepScan& scan : sweep.scans) {
     Radar& radar = *radars_[scan.radar];
-    const std::string& frame = scan.reading->cloud->header.frame_id;
+    const std::shared_ptr<const RadarReading> reading = readingOf(scan);
+    const std::string& frame = reading->cloud->header.frame_id;
     std::string cause;
     const std::optional<Eigen::Isometry3d> mount = extrinsics_->lookup(frame, cause);
     radar.monitor.mount(cause);
@@ -232,12 +237,12 @@ std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(co
     }
     mount_missing_since_.erase(frame);
     RadarScan& estimated = scans.emplace_back();
-    estimated.returns = &scan.reading->returns;
+    estimated.returns = &reading->returns;
     estimated.T_base_from_sensor = *mount;
     estimated.T_base_from_sensor.linear() =
         Eigen::AngleAxisd(radar.config.mount_yaw_correction, Eigen::Vector3d::UnitZ()) * mount->linear();
     estimated.time = scan.time;
-    mounted.push_back({scan.radar, scan.reading});
+    mounted.push_back({scan.radar, reading});
   }
   return mounted;
 }
@@ -247,7 +252,7 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
   std::string mount_error;
   const std::vector<MountedScan> mounted = mountedScans(sweep, scans, mount_error);
 
-  const ros::Time stamp = sweep.scans[sweep.newest].reading->cloud->header.stamp;
+  const ros::Time stamp = readingOf(sweep.scans[sweep.newest])->cloud->header.stamp;
   const auto start = std::chrono::steady_clock::now();
   const EgoVelocityResult& result =
       estimator_.estimate(scans, sweep.time(), tracker_.acceleration(sweep.time()));
@@ -299,7 +304,7 @@ void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const Sweep& swee
   message.model = std::string(toString(estimator_.params().model));
   message.solver = std::string(toString(estimator_.params().solver));
   for (const SweepScan& scan : sweep.scans) {
-    message.total_count += static_cast<std::uint32_t>(scan.reading->counts.total);
+    message.total_count += static_cast<std::uint32_t>(readingOf(scan)->counts.total);
   }
   message.return_count = static_cast<std::uint32_t>(result.return_count);
   message.inlier_count = static_cast<std::uint32_t>(result.inlier_count);

@@ -22,7 +22,7 @@
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/radar/odometry.h"
-#include "sweep_assembler.h"
+#include "radar_dot/radar/sweep_assembler.h"
 
 namespace radar_dot {
 

@@ -67,6 +67,7 @@ void validate(const EgoVelocityParams& p) {
   requireParameter(p.min_inlier_share >= 0.0 && p.min_inlier_share <= 1.0,
                    "min_inlier_share must lie in 0..1");
   requireParameter(p.max_condition_number > 1.0, "max_condition_number must be above 1");
+  requireParameter(p.sideslip_std > 0.0, "sideslip_std must be positive (m/s)");
   requireParameter(p.unobserved_variance > 0.0, "unobserved_variance must be positive");
   const SegmentationParams& s = p.segmentation;
   requireParameter(s.threshold > 0.0, "segmentation threshold must be positive (m/s)");
@@ -306,6 +307,8 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
   const Eigen::Matrix3d covariance = basis * reduced_covariance * basis.transpose();
 
   result.covariance = Eigen::Matrix<double, 6, 6>::Identity() * params.unobserved_variance;
+  if (params.model == MotionModel::kAckermann)
+    result.covariance(1, 1) = params.sideslip_std * params.sideslip_std;
   result.fully_observed = rank == model.count;
   for (int i = 0; i < model.count; ++i) {
     const int row_axis = model.axes[static_cast<std::size_t>(i)];

@@ -304,6 +304,8 @@ TEST(EgoVelocity, OneFrontRadarSeesOnlyTheSumOfSideslipAndYaw) {
   ASSERT_TRUE(constrained.valid());
   EXPECT_NEAR(constrained.angular.z(), 0.3, 1e-4);
   EXPECT_TRUE(constrained.fully_observed);
+  EXPECT_FALSE(constrained.observed[1]) << "vy = 0 is the model's assumption";
+  EXPECT_NEAR(constrained.covariance(1, 1), 0.01, 1e-12) << "with the variance of its sideslip_std";
 }
 
 // A corner radar off the centre line determines none of the three alone, yet labels its returns.

@@ -62,6 +62,7 @@ struct EgoVelocityParams {
   /// Directions of the parameter space that the bearings constrain this much worse than the best
   /// one count as unobserved.
   double max_condition_number = 100.0;
+  double sideslip_std = 0.1;         ///< m/s, 1 sigma of the vy that the ackermann model takes as zero
   double unobserved_variance = 1e6;  ///< (m/s)^2 or (rad/s)^2, for what the returns do not tell
 
   SegmentationParams segmentation;
@@ -103,7 +104,8 @@ struct EgoVelocityResult {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s, of the base origin, base frame
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s, base frame
   /// Order vx vy vz wx wy wz. Axes outside the model, and directions the bearings do not
-  /// constrain, carry unobserved_variance.
+  /// constrain, carry unobserved_variance; vy of the ackermann model, which is an assumption of the
+  /// model and not a gap in the data, carries sideslip_std^2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   /// For each axis (vx vy vz wx wy wz): estimated by the model and constrained by the returns.
   std::array<bool, 6> observed{};

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/sweep_assembler.h"
+#include "radar_dot/radar/sweep_assembler.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sweep_assembler.h"
+#include "radar_dot/radar/sweep_assembler.h"
 
 #include <algorithm>
 #include <utility>

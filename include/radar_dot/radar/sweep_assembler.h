@@ -9,8 +9,6 @@
 
 namespace radar_dot {
 
-struct RadarReading;
-
 /// Parameters of SweepAssembler.
 struct SweepParams {
   double window = 0.1;        ///< s, age of the oldest scan of a sweep relative to its newest
@@ -20,9 +18,10 @@ struct SweepParams {
 
 /// One scan waiting for its sweep.
 struct SweepScan {
-  std::size_t radar = 0;                        ///< index of the radar
-  double time = 0.0;                            ///< s, stamp of the scan
-  std::shared_ptr<const RadarReading> reading;  ///< what the radar measured; only passed through
+  std::size_t radar = 0;  ///< index of the radar
+  double time = 0.0;      ///< s, stamp of the scan
+  std::shared_ptr<const void>
+      reading;  ///< what the radar measured, of the caller's own type; only passed through
 };
 
 /// The scans that make one estimate, at most one per radar, each within the window.
