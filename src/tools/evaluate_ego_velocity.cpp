@@ -108,6 +108,7 @@ int run(Arguments& arguments) {
 int main(int argc, char** argv) {
   CLI::App app("Scores the radar ego velocity, trajectory and static/dynamic labels on a nuScenes dataroot.");
   Arguments arguments;
+  arguments.options.extraction.doppler_scale = radar_dot::evaluation::kNuscenesDopplerScale;
   declare(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {

@@ -155,9 +155,14 @@ TEST(RealData, MeetsItsFigures) {
   const std::filesystem::path dataroot = std::filesystem::path(RADAR_DOT_SHARED_DATA) / "nuscenes_mini_real";
   if (!std::filesystem::exists(dataroot)) GTEST_SKIP() << "no real data under " << dataroot;
   const dataset::Tables tables = dataset::Tables::load(dataroot);
+  VelocityEvaluationOptions options;
+  options.extraction.doppler_scale = kNuscenesDopplerScale;
   VelocityReport overall;
   for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
-    overall += evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene));
+    const VelocityReport report = evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene), options);
+    EXPECT_LE(report.gt_heading.driftPercent(), 1.0) << report.scene;
+    EXPECT_EQ(report.sweeps_refused, 0U) << report.scene;
+    overall += report;
   }
   EXPECT_LT(overall.mae.at("A1").value(), 0.6 * overall.mae.at("B1").value());
   double best = 1e9;

@@ -36,6 +36,11 @@ struct Mean {
   }
 };
 
+/// The Doppler velocities of the nuScenes radars read about 0.35 % low against the displacement of the
+/// poses, in all scenes of both vehicles: a planar radar takes returns from above or below its plane
+/// as level, and their range rate is smaller by the cosine of the elevation.
+inline constexpr double kNuscenesDopplerScale = 1.0035;
+
 /// What is evaluated, and with which parameters.
 struct VelocityEvaluationOptions {
   std::vector<std::string> channels;  ///< empty = every radar of the scene
