@@ -121,8 +121,7 @@ std::vector<StampedVelocity> estimateSweeps(const RadarScene& scene, const Veloc
       ++report.sweeps_refused;
       continue;
     }
-    if (!result.fully_observed) continue;  // a single radar at the start of a scene
-    tracker.add(sweep.time(), result.linear);
+    if (result.observed[0]) tracker.add(sweep.time(), result.linear);
     velocities.push_back({sweep.time(), result.linear, result.angular, result.covariance});
   }
   return velocities;

@@ -267,7 +267,7 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
     if (throttle_.allow("refused")) NODELET_WARN("%s: no estimate: %s", getName().c_str(), reason.c_str());
     return;
   }
-  if (result.fully_observed) tracker_.add(sweep.time(), result.linear);
+  if (result.observed[0]) tracker_.add(sweep.time(), result.linear);
   publishTwist(stamp, result);
   publishClouds(mounted, result);
 }

@@ -86,6 +86,7 @@ TEST_F(Evaluation, OneRadarReportsWhatItCanSee) {
   EXPECT_EQ(report.refused, 0U);
   EXPECT_LT(report.models.at("planar_yaw").vx.value(), 5e-3);
   EXPECT_EQ(report.models.at("planar_yaw").yaw_rate.count, 0U);
+  EXPECT_LT(report.gt_heading.driftPercent(), 0.1);
 }
 
 // A mount turned away from its calibration shows up as the turn back, and only there.

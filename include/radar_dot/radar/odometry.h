@@ -46,8 +46,8 @@ class VelocityIntegrator {
 };
 
 /// Acceleration of the vehicle from its recent velocity estimates: the slope of a straight line
-/// through those of the last `window` seconds. Brings unsynchronised scans to one time. Only fully
-/// observed velocities belong in it.
+/// through those of the last `window` seconds. Brings unsynchronised scans to one time. Only
+/// velocities with an observed forward component belong in it.
 class AccelerationTracker {
  public:
   explicit AccelerationTracker(double window = 0.5) : window_(window) {}
