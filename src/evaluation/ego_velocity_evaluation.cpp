@@ -137,6 +137,19 @@ Eigen::Vector3d accelerationAt(const std::vector<StampedVelocity>& velocities, d
   return tracker.acceleration(time);
 }
 
+void addErrors(const EgoVelocityResult& result, const Eigen::Vector3d& truth, double true_yaw_rate,
+               ModelErrors& errors) {
+  const auto add = [&](int axis, double error, Mean& absolute, Mean& normalised) {
+    absolute.add(std::abs(error));
+    if (result.observed[static_cast<std::size_t>(axis)])
+      normalised.add(error * error / result.covariance(axis, axis));
+  };
+  add(0, result.linear.x() - truth.x(), errors.vx, errors.normalised_vx);
+  add(1, result.linear.y() - truth.y(), errors.vy, errors.normalised_vy);
+  if (result.observed[5])
+    add(5, result.angular.z() - true_yaw_rate, errors.yaw_rate, errors.normalised_yaw_rate);
+}
+
 void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& options,
                    const std::vector<StampedVelocity>& velocities, VelocityReport& report) {
   std::map<std::string, EgoVelocityEstimator> variants;
@@ -181,9 +194,7 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
         continue;
       }
       ModelErrors& errors = report.models[std::string(toString(model))];
-      errors.vx.add(std::abs(result.linear.x() - truth.x()));
-      errors.vy.add(std::abs(result.linear.y() - truth.y()));
-      if (result.observed[5]) errors.yaw_rate.add(std::abs(result.angular.z() - true_yaw_rate));
+      addErrors(result, truth, true_yaw_rate, errors);
       if (model == MotionModel::kPlanarYaw) {
         const auto now = wheels.at(middle);
         const auto mean = wheels.mean(t0, t1);
@@ -287,6 +298,9 @@ ModelErrors& ModelErrors::operator+=(const ModelErrors& other) {
   vx += other.vx;
   vy += other.vy;
   yaw_rate += other.yaw_rate;
+  normalised_vx += other.normalised_vx;
+  normalised_vy += other.normalised_vy;
+  normalised_yaw_rate += other.normalised_yaw_rate;
   return *this;
 }
 

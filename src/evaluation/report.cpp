@@ -81,6 +81,9 @@ void writeReport(Writer& writer, const VelocityReport& report, bool overall) {
     number(writer, "vx_mae", errors.vx.value());
     number(writer, "vy_mae", errors.vy.value());
     number(writer, "yaw_rate_mae", errors.yaw_rate.value());
+    number(writer, "vx_normalised_squared", errors.normalised_vx.value());
+    number(writer, "vy_normalised_squared", errors.normalised_vy.value());
+    number(writer, "yaw_rate_normalised_squared", errors.normalised_yaw_rate.value());
     writer.EndObject();
   }
   writer.EndObject();

@@ -146,6 +146,7 @@ EgoVelocityParams estimatorParams(const EgoVelocityConfig& config) {
   params.min_returns = config.min_returns;
   params.min_inlier_share = config.min_inlier_share;
   params.max_condition_number = config.max_condition_number;
+  params.scan_std = config.scan_std;
   params.sideslip_std = config.sideslip_std;
   params.unobserved_variance = config.unobserved_variance;
   params.segmentation.threshold = config.threshold;

@@ -63,6 +63,7 @@ void validate(const EgoVelocityParams& p) {
   requireParameter(p.robust_iterations >= 1, "robust_iterations must be at least 1");
   requireParameter(p.doppler_std > 0.0, "doppler_std must be positive (m/s)");
   requireParameter(p.azimuth_std >= 0.0, "azimuth_std must not be negative (rad)");
+  requireParameter(p.scan_std >= 0.0, "scan_std must not be negative (m/s)");
   requireParameter(p.min_returns >= 3, "min_returns must be at least 3");
   requireParameter(p.min_inlier_share >= 0.0 && p.min_inlier_share <= 1.0,
                    "min_inlier_share must lie in 0..1");
@@ -136,6 +137,7 @@ struct EgoVelocityEstimator::Workspace {
                  Parameters& solution);
   EstimateStatus solve(const EgoVelocityParams& params, Observability& observability, Parameters& reduced);
   void finish(const EgoVelocityParams& params, const Observability& observability, const Parameters& reduced);
+  Eigen::Matrix3d reducedCovariance(const EgoVelocityParams& params, double threshold, double widening);
   void label(const EgoVelocityParams& params);
   void refuse(const EgoVelocityParams& params, EstimateStatus status);
 
@@ -274,6 +276,36 @@ EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& p
                                                    : EstimateStatus::kDegenerateBearings;
 }
 
+/// Covariance of weighted least squares, with information I = A' W A and W = 1 / variance:
+///     widening I^-1  +  scan_std^2 I^-1 (sum over scans g g') I^-1,   g = A' W 1 over the scan,
+/// the second term for an error common to the returns of a scan. `widening` is above 1 where the
+/// residuals exceed the noise model. Free directions follow with unobserved_variance.
+Eigen::Matrix3d EgoVelocityEstimator::Workspace::reducedCovariance(const EgoVelocityParams& params,
+                                                                   double threshold, double widening) {
+  const int rank = active.parameters;
+  Eigen::Matrix3d information = inlierInformation(active, residuals, threshold, scratch);
+  for (int k = rank; k < 3; ++k) information(k, k) = 1.0;
+  Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d of_scan = Eigen::Vector3d::Zero();
+  std::size_t scan = 0;
+  for (std::size_t i = 0; i <= active.rows; ++i) {
+    while (i == active.rows ? scan + 1 < result.offsets.size() : indices[i] >= result.offsets[scan + 1]) {
+      gram += of_scan * of_scan.transpose();
+      of_scan.setZero();
+      ++scan;
+    }
+    if (i == active.rows) break;
+    for (int k = 0; k < rank; ++k) {
+      of_scan[k] += static_cast<double>(scratch.weights[i] * active.columns[static_cast<std::size_t>(k)][i]);
+    }
+  }
+  const Eigen::Matrix3d inverse = information.ldlt().solve(Eigen::Matrix3d::Identity());
+  Eigen::Matrix3d covariance =
+      widening * inverse + params.scan_std * params.scan_std * inverse * gram * inverse;
+  for (int k = rank; k < 3; ++k) covariance(k, k) = params.unobserved_variance;
+  return covariance;
+}
+
 void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
                                              const Observability& observability, const Parameters& reduced) {
   const int rank = active.parameters;
@@ -291,17 +323,9 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
   }
   if (result.inlier_count > 0) result.rms = std::sqrt(sum / static_cast<double>(result.inlier_count));
 
-  // Covariance of weighted least squares, widened where the residuals are larger than the noise model.
-  const Eigen::Matrix3d information = inlierInformation(active, residuals, threshold, scratch);
-  Eigen::Matrix3d reduced_covariance = Eigen::Matrix3d::Zero();
   const double freedom = static_cast<double>(result.inlier_count) - rank;
   const double widening = freedom > 0.0 ? std::max(1.0, chi_squared / freedom) : 1.0;
-  for (int k = rank; k < 3; ++k) reduced_covariance(k, k) = params.unobserved_variance;
-  reduced_covariance.topLeftCorner(rank, rank) =
-      widening *
-      information.topLeftCorner(rank, rank)
-          .ldlt()
-          .solve(Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>::Identity(rank, rank));
+  const Eigen::Matrix3d reduced_covariance = reducedCovariance(params, threshold, widening);
   const Eigen::Matrix3d& basis = observability.basis;
   const Parameters solution = plausibleMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
   const Eigen::Matrix3d covariance = basis * reduced_covariance * basis.transpose();

@@ -43,6 +43,7 @@ TEST(Parameters, DefaultsOfTheConfigAreThoseOfTheEstimator) {
   EXPECT_EQ(configured.min_returns, expected.min_returns);
   EXPECT_EQ(configured.min_inlier_share, expected.min_inlier_share);
   EXPECT_EQ(configured.max_condition_number, expected.max_condition_number);
+  EXPECT_EQ(configured.scan_std, expected.scan_std);
   EXPECT_EQ(configured.sideslip_std, expected.sideslip_std);
   EXPECT_EQ(configured.unobserved_variance, expected.unobserved_variance);
   EXPECT_EQ(configured.segmentation.threshold, expected.segmentation.threshold);

@@ -57,6 +57,10 @@ struct EgoVelocityParams {
   double doppler_std = 0.12;      ///< m/s, 1 sigma of one Doppler measurement: weights, covariance
   double azimuth_std = 0.0175;    ///< rad, 1 sigma of a bearing: its effect grows with the transverse speed
 
+  /// m/s, 1 sigma of what all returns of one scan share: quantisation, timing, scale, mount. More
+  /// returns do not average it out, so it bounds the covariance from below; 0 = independent returns.
+  double scan_std = 0.06;
+
   int min_returns = 6;             ///< fewer accepted returns: refused
   double min_inlier_share = 0.25;  ///< of the accepted returns; less consensus: refused
   /// Directions of the parameter space that the bearings constrain this much worse than the best
