@@ -55,6 +55,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--mount-yaw-correction", arguments.mount_corrections,
                  "CHANNEL=RAD, comma-separated: added to the yaw of a mount")
       ->delimiter(',');
+  app.add_option("--scan-std", estimator.scan_std, "1 sigma of what the returns of a scan share, m/s")
+      ->capture_default_str();
   app.add_flag("--all-returns", arguments.all_returns, "Switch the nuScenes validity filters off");
   app.add_flag("--paper-labels", arguments.paper_labels,
                "Label by the residual threshold alone, without neighbours");
