@@ -46,6 +46,7 @@ DopplerExtractor::DopplerExtractor(ExtractionParams params)
 void DopplerExtractor::resolve(const PointCloudView& cloud) {
   layout_.resolved = false;
   layout_.fields = *cloud.fields;
+  layout_.point_step = cloud.point_step;
   const auto column = [this, &cloud](std::string_view name) {
     Column result;
     const PointField* field = findField(layout_.fields, name);
@@ -95,7 +96,8 @@ void DopplerExtractor::resolve(const PointCloudView& cloud) {
 ExtractionCounts DopplerExtractor::extract(const PointCloudView& cloud, std::vector<DopplerReturn>& returns) {
   returns.clear();
   if (cloud.fields == nullptr) throw std::invalid_argument("the cloud has no fields");
-  if (!layout_.resolved || layout_.fields != *cloud.fields) resolve(cloud);
+  if (!layout_.resolved || layout_.point_step != cloud.point_step || layout_.fields != *cloud.fields)
+    resolve(cloud);
 
   const ReturnFilter& filter = params_.filter;
   const bool limits_azimuth = std::isfinite(filter.min_azimuth) || std::isfinite(filter.max_azimuth);

@@ -53,6 +53,19 @@ Parameters plausibleMember(const ModelAxes& model, const Eigen::Matrix3d& basis,
   return solution - directions * step;
 }
 
+/// The basis with small components of its free directions set to zero. A radar a centimetre beside
+/// the centre line leaves vx free by a hundredth of the yaw rate, which is no news; with the variance
+/// of a free direction it would still pass for unobserved.
+Eigen::Matrix3d withoutTraces(Eigen::Matrix3d basis, int rank, int parameters) {
+  constexpr double kTrace = 0.02;
+  for (int k = rank; k < parameters; ++k) {
+    for (int i = 0; i < parameters; ++i) {
+      if (std::abs(basis(i, k)) < kTrace) basis(i, k) = 0.0;
+    }
+  }
+  return basis;
+}
+
 void requireParameter(bool condition, const char* message) {
   if (!condition) throw std::invalid_argument(message);
 }
@@ -116,6 +129,7 @@ struct EgoVelocityEstimator::Workspace {
     float delay;               ///< s, reference time - scan time
     float right_hand_side;     ///< -d at the reference time, m/s
     bool known_dynamic;
+    bool usable;  ///< finite; else the row is zero and takes no part
   };
 
   std::vector<Row> rows;
@@ -130,6 +144,10 @@ struct EgoVelocityEstimator::Workspace {
   std::vector<std::size_t> candidates;
   EgoVelocityResult result;
 
+  static Row unusableRow() {
+    return {
+        Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), Eigen::Vector2f::Zero(), 0.F, 0.F, false, false};
+  }
   void stack(const EgoVelocityParams& params, const std::vector<RadarScan>& scans, double reference_time,
              const Eigen::Vector3d& acceleration);
   void setVariance(const EgoVelocityParams& params, const Parameters& solution);
@@ -181,6 +199,9 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params,
       row.delay = delay;
       // v at the scan = v at the reference time - a (t_ref - t).
       row.right_hand_side = -measured.doppler + row.bearing.dot(velocity_change);
+      row.usable = row.mount.allFinite() && row.position.allFinite() && std::isfinite(row.right_hand_side) &&
+                   std::isfinite(row.delay);
+      if (!row.usable) row = unusableRow();
       row.known_dynamic =
           scan.known_dynamic != nullptr && i < scan.known_dynamic->size() && (*scan.known_dynamic)[i] != 0;
       rows.push_back(row);
@@ -200,7 +221,7 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params,
     }
     all.right_hand_side[i] = rows[i].right_hand_side;
     all.variance[i] = static_cast<float>(params.doppler_std * params.doppler_std);
-    if (!rows[i].known_dynamic) indices.push_back(i);
+    if (rows[i].usable && !rows[i].known_dynamic) indices.push_back(i);
   }
 }
 
@@ -326,7 +347,7 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
   const double freedom = static_cast<double>(result.inlier_count) - rank;
   const double widening = freedom > 0.0 ? std::max(1.0, chi_squared / freedom) : 1.0;
   const Eigen::Matrix3d reduced_covariance = reducedCovariance(params, threshold, widening);
-  const Eigen::Matrix3d& basis = observability.basis;
+  const Eigen::Matrix3d basis = withoutTraces(observability.basis, rank, model.count);
   const Parameters solution = plausibleMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
   const Eigen::Matrix3d covariance = basis * reduced_covariance * basis.transpose();
 
@@ -337,8 +358,8 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
   for (int i = 0; i < model.count; ++i) {
     const int row_axis = model.axes[static_cast<std::size_t>(i)];
     (row_axis < 3 ? result.linear[row_axis] : result.angular[row_axis - 3]) = solution[i];
-    const double free_share = basis.row(i).segment(rank, model.count - rank).squaredNorm();
-    result.observed[static_cast<std::size_t>(row_axis)] = free_share < 1e-9;
+    result.observed[static_cast<std::size_t>(row_axis)] =
+        basis.row(i).segment(rank, model.count - rank).isZero(0.0);
     for (int j = 0; j < model.count; ++j) {
       result.covariance(row_axis, model.axes[static_cast<std::size_t>(j)]) = covariance(i, j);
     }

@@ -24,6 +24,9 @@ void VelocityIntegrator::reset(const Eigen::Isometry3d& T_odom_from_base) {
 bool VelocityIntegrator::add(double time, const Eigen::Vector3d& linear, const Eigen::Vector3d& angular,
                              const Eigen::Matrix<double, 6, 6>& covariance,
                              const std::optional<Eigen::Quaterniond>& R_odom_from_base) {
+  if (!std::isfinite(time) || !linear.allFinite() || !angular.allFinite() || !covariance.allFinite())
+    return false;
+  if (R_odom_from_base && !R_odom_from_base->coeffs().allFinite()) return false;
   if (started_ && !(time > state_.time)) return false;
   if (!started_) {
     if (R_odom_from_base) state_.T_odom_from_base.linear() = R_odom_from_base->toRotationMatrix();

@@ -24,22 +24,30 @@ void segmentReturns(const SegmentationParams& params, const std::vector<float>& 
   const auto velocity = static_cast<float>(params.neighbour_velocity);
   candidates.clear();
   for (std::size_t i = 0; i < residuals.size(); ++i) {
-    if (std::abs(residuals[i]) >= supported) candidates.push_back(i);
+    if (std::abs(residuals[i]) >= isolated) labels[i] = ReturnLabel::kDynamic;
+    if (std::abs(residuals[i]) >= std::min(supported, isolated)) candidates.push_back(i);
   }
-  // Sorted by x, a neighbour lies within a short stretch of the list.
+  // Sorted by x, the neighbours of a return stand next to it in the list, before and after.
   std::sort(candidates.begin(), candidates.end(),
             [&](std::size_t a, std::size_t b) { return positions[a].x() < positions[b].x(); });
-  for (std::size_t first = 0; first < candidates.size(); ++first) {
-    const std::size_t i = candidates[first];
-    if (std::abs(residuals[i]) >= isolated) labels[i] = ReturnLabel::kDynamic;
-    for (std::size_t second = first + 1; second < candidates.size(); ++second) {
-      const std::size_t j = candidates[second];
-      if (positions[j].x() - positions[i].x() > distance) break;
-      if ((positions[j] - positions[i]).squaredNorm() <= distance * distance &&
-          std::abs(residuals[i] - residuals[j]) <= velocity) {
-        labels[i] = labels[j] = ReturnLabel::kDynamic;
-      }
+  const auto moveTogether = [&](std::size_t i, std::size_t j) {
+    return (positions[j] - positions[i]).squaredNorm() <= distance * distance &&
+           std::abs(residuals[i] - residuals[j]) <= velocity;
+  };
+  const auto hasSupport = [&](std::size_t entry) {
+    const std::size_t i = candidates[entry];
+    for (std::size_t k = entry; k-- > 0 && positions[i].x() - positions[candidates[k]].x() <= distance;) {
+      if (moveTogether(i, candidates[k])) return true;
     }
+    for (std::size_t k = entry + 1;
+         k < candidates.size() && positions[candidates[k]].x() - positions[i].x() <= distance; ++k) {
+      if (moveTogether(i, candidates[k])) return true;
+    }
+    return false;
+  };
+  for (std::size_t entry = 0; entry < candidates.size(); ++entry) {
+    ReturnLabel& label = labels[candidates[entry]];
+    if (label == ReturnLabel::kStatic && hasSupport(entry)) label = ReturnLabel::kDynamic;
   }
 }
 

@@ -3,6 +3,8 @@
 #include "radar_dot/radar/sweep_assembler.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace radar_dot {
@@ -32,7 +34,7 @@ bool SweepAssembler::isComplete(double now) const {
 }
 
 std::optional<Sweep> SweepAssembler::take() {
-  double newest = last_sweep_.value_or(-1.0);
+  double newest = last_sweep_.value_or(-std::numeric_limits<double>::infinity());
   bool newer = false;
   for (const std::optional<SweepScan>& scan : pending_) {
     if (!scan || scan->time <= newest) continue;
@@ -62,6 +64,7 @@ SweepAssembler::Outcome SweepAssembler::add(SweepScan scan, std::vector<Sweep>& 
   const std::size_t radar = scan.radar;
   const double time = scan.time;
   // Each radar is compared with itself only: a small disorder between radars is normal.
+  if (!std::isfinite(time)) return Outcome::kStale;
   if (last_[radar] && time <= *last_[radar]) {
     if (*last_[radar] - time <= params_.reset_after) return Outcome::kStale;
     reset();

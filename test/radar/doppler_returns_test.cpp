@@ -154,6 +154,16 @@ TEST(DopplerExtractor, AFieldBeyondThePointIsRefused) {
   EXPECT_THROW(extractor.extract(cloud.view(), returns), std::invalid_argument);
 }
 
+TEST(DopplerExtractor, AShorterPointWithTheSameFieldsIsRefused) {
+  PointCloud cloud =
+      makeCloud({"x", "y", "vx", "vy"}, {}, {{{"x", 5.0}, {"y", 0.0}, {"vx", -1.0}, {"vy", 0.0}}});
+  DopplerExtractor extractor;
+  std::vector<DopplerReturn> returns;
+  extractor.extract(cloud.view(), returns);
+  cloud.point_step = 4;
+  EXPECT_THROW(extractor.extract(cloud.view(), returns), std::invalid_argument);
+}
+
 TEST(DopplerExtractor, FollowsALayoutThatChanges) {
   DopplerExtractor extractor;
   std::vector<DopplerReturn> returns;

@@ -382,10 +382,9 @@ TEST(EgoVelocity, DuplicatesDoNotFoolTheGeometry) {
 
 /// Mean normalised squared error over many sweeps with independent errors (doppler_std) and errors that
 /// the returns of a scan share (scan_std). For a correct covariance it is the number of parameters, 3.
-double normalisedError(const EgoVelocityParams& params) {
+double normalisedError(const EgoVelocityParams& params, SweepOptions options = {}) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal(0.0, 1.0);
-  SweepOptions options;
   options.doppler_sigma = params.doppler_std;
   const Vector3d v(8.0, 0.0, 0.0);
   constexpr int kTrials = 400;
@@ -461,6 +460,70 @@ TEST(EgoVelocity, ReturnsKnownToMoveDoNotTakePart) {
   EXPECT_NEAR(result.linear.x(), 3.0, 1e-4);
   EXPECT_EQ(result.return_count, 100U);
   EXPECT_EQ(result.dynamic_count, 200U);
+}
+
+TEST(EgoVelocity, WhatIsNotFiniteTakesNoPart) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Vector3d v(6.0, 0.2, 0.0);
+  const Sweep good = makeSweep(carMounts(), v, {0.0, 0.0, 0.1});
+  Sweep sweep = good;
+  sweep.returns[0][3].doppler = std::numeric_limits<float>::quiet_NaN();
+  sweep.returns[1][5].range = std::numeric_limits<float>::infinity();
+  sweep.mounts[3].translation().x() = nan;
+  sweep.times[4] = nan;
+  EgoVelocityEstimator estimator;
+  const EgoVelocityResult& result = estimator.estimate(sweep.scans(), 0.0);
+  ASSERT_TRUE(result.valid()) << result.reason;
+  EXPECT_LT((result.linear - v).norm(), 1e-4);
+  EXPECT_EQ(result.return_count, 3U * 60U - 2U);
+  EXPECT_EQ(result.labels.size(), 300U) << "one label per return all the same";
+  EXPECT_EQ(result.dynamic_count, 0U);
+}
+
+// A millimetre or a centimetre off the centre line changes nothing that matters.
+TEST(EgoVelocity, ObservabilityDoesNotHangOnMillimetres) {
+  for (const double y : {0.0, 0.001, 0.01, 0.05}) {
+    const Sweep sweep = makeSweep({mount(3.4, y, 0.5, 0.0)}, {5.0, 0.0, 0.0}, {0.0, 0.0, 0.3});
+    EgoVelocityEstimator estimator(paramsFor(MotionModel::kPlanarYaw));
+    const EgoVelocityResult& result = estimator.estimate(sweep.scans(), 0.0);
+    ASSERT_TRUE(result.valid());
+    EXPECT_TRUE(result.observed[0]) << y;
+    EXPECT_LT(result.covariance(0, 0), 0.01) << y;
+    EXPECT_NEAR(result.linear.x(), 5.0, 5e-3) << y;
+    EXPECT_FALSE(result.observed[5]) << y;
+  }
+}
+
+// Bearings that are off make errors that grow with the speed across the line of sight.
+TEST(EgoVelocity, CovarianceCountsBearingErrors) {
+  EgoVelocityParams params = paramsFor(MotionModel::kPlanarYaw);
+  params.doppler_std = 0.02;
+  params.azimuth_std = 0.02;
+  params.scan_std = 0.0;
+  SweepOptions options;
+  options.azimuth_sigma = params.azimuth_std;
+  const double with = normalisedError(params, options);
+  params.azimuth_std = 0.0;
+  const double without = normalisedError(params, options);
+  EXPECT_LT(with, 5.0);
+  EXPECT_GT(with, 1.5);
+  EXPECT_GT(without, with) << "blind to the bearings, the estimate is worse than it claims";
+}
+
+// Noise above the model widens the covariance.
+TEST(EgoVelocity, CovarianceWidensWithTheResiduals) {
+  EgoVelocityParams params = paramsFor(MotionModel::kPlanarYaw);
+  params.azimuth_std = params.scan_std = 0.0;
+  params.doppler_std = 0.05;
+  SweepOptions options;
+  options.doppler_sigma = 0.1;
+  const Sweep sweep = makeSweep(carMounts(), {8.0, 0.0, 0.0}, Vector3d::Zero(), options);
+  EgoVelocityEstimator optimistic(params);
+  const double claimed = optimistic.estimate(sweep.scans(), 0.0).covariance(0, 0);
+  params.doppler_std = 0.1;
+  EgoVelocityEstimator honest(params);
+  const double fair = honest.estimate(sweep.scans(), 0.0).covariance(0, 0);
+  EXPECT_NEAR(claimed / fair, 1.0, 0.3) << "unwidened it would claim a quarter";
 }
 
 TEST(EgoVelocity, SenselessParametersAreNamed) {

@@ -65,6 +65,11 @@ TEST(VelocityIntegrator, RefusesTimeThatDoesNotAdvance) {
   EXPECT_FALSE(integrator.add(1.0, {1.0, 0.0, 0.0}, Vector3d::Zero(), Matrix6d::Zero()));
   EXPECT_FALSE(integrator.add(0.5, {1.0, 0.0, 0.0}, Vector3d::Zero(), Matrix6d::Zero()));
   EXPECT_EQ(integrator.state().distance, 0.0);
+  const double nan = std::nan("");
+  EXPECT_FALSE(integrator.add(2.0, {nan, 0.0, 0.0}, Vector3d::Zero(), Matrix6d::Zero()));
+  EXPECT_FALSE(integrator.add(nan, {1.0, 0.0, 0.0}, Vector3d::Zero(), Matrix6d::Zero()));
+  EXPECT_TRUE(integrator.add(2.0, {1.0, 0.0, 0.0}, Vector3d::Zero(), Matrix6d::Zero()))
+      << "nothing was spoilt";
   integrator.reset();
   EXPECT_TRUE(integrator.add(0.5, {1.0, 0.0, 0.0}, Vector3d::Zero(), Matrix6d::Zero()));
 }

@@ -80,6 +80,32 @@ TEST_F(Segmentation, FastReturnsNeedNoCompany) {
   EXPECT_EQ(result.labels[fast], ReturnLabel::kDynamic);
 }
 
+// At 20 m/s a target seen 90 ms earlier lies 1.8 m nearer by now: neighbours are compared at one time.
+TEST(SegmentationTime, NeighboursAreBroughtToOneTime) {
+  const double speed = 20.0;
+  test::Sweep sweep = test::makeSweep(test::carMounts(), {speed, 0.0, 0.0}, Eigen::Vector3d::Zero());
+  sweep.times[1] = -0.09;
+  const auto add = [&](std::size_t radar, double x, double y) {
+    const Eigen::Vector3d p =
+        sweep.mounts[radar].inverse() * Eigen::Vector3d(x, y, sweep.mounts[radar].translation().z());
+    const Eigen::Vector3d u_base = sweep.mounts[radar].linear() * p.normalized();
+    DopplerReturn measured;
+    measured.bearing = p.normalized().cast<float>();
+    measured.range = static_cast<float>(p.norm());
+    measured.doppler = static_cast<float>(-speed * u_base.x() + 0.9);
+    sweep.returns[radar].push_back(measured);
+    return sweep.returns[radar].size() - 1;
+  };
+  const std::size_t now = add(0, 30.0, 10.0);
+  const std::size_t before =
+      add(1, 30.0 + 0.09 * speed + 1.0, 10.0);  // 2.8 m apart as measured, 1 m at one time
+  EgoVelocityEstimator estimator;
+  const EgoVelocityResult& result = estimator.estimate(sweep.scans(), 0.0);
+  ASSERT_TRUE(result.valid());
+  EXPECT_EQ(result.labels[result.offsets[0] + now], ReturnLabel::kDynamic);
+  EXPECT_EQ(result.labels[result.offsets[1] + before], ReturnLabel::kDynamic);
+}
+
 TEST(SegmentationOrder, OffsetsDelimitTheScans) {
   const test::Sweep sweep = test::makeSweep(test::carMounts(), {5.0, 0.0, 0.0}, Eigen::Vector3d::Zero());
   EgoVelocityEstimator estimator;

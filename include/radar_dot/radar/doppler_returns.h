@@ -90,6 +90,7 @@ class DopplerExtractor {
   };
   struct Layout {
     std::vector<PointField> fields;
+    std::size_t point_step = 0;
     Column x, y, z, vx, vy, doppler, rcs, invalid_state, ambig_state, pdh0;
     bool resolved = false;
   };

@@ -147,7 +147,8 @@ class EgoVelocityEstimator {
   /// @param reference_time  s; the estimate holds at this time
   /// @param acceleration    m/s^2, base frame, of the base origin; zero when unknown
   /// @return the result, owned by the estimator and valid until the next call. Bad geometry or
-  ///         data refuse with status and reason; nothing throws.
+  ///         data refuse with status and reason; nothing throws. Returns that are not finite, or
+  ///         whose mount or time is not, take no part and are labelled static.
   const EgoVelocityResult& estimate(const std::vector<RadarScan>& scans, double reference_time,
                                     const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero());
 

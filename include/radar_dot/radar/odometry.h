@@ -30,7 +30,8 @@ class VelocityIntegrator {
   /// @param linear      m/s, base frame     @param angular  rad/s, base frame
   /// @param covariance  of [linear, angular], 6x6
   /// @param R_odom_from_base  orientation at `time` from another source; none: integrate `angular`
-  /// @return false, and no change, when `time` does not lie after the previous one.
+  /// @return false, and no change, when `time` does not lie after the previous one, or when
+  ///         anything is not finite.
   bool add(double time, const Eigen::Vector3d& linear, const Eigen::Vector3d& angular,
            const Eigen::Matrix<double, 6, 6>& covariance,
            const std::optional<Eigen::Quaterniond>& R_odom_from_base = std::nullopt);

@@ -42,7 +42,7 @@ class SweepAssembler {
   /// What became of a scan.
   enum class Outcome {
     kAdded,
-    kStale,  ///< not newer than the radar's previous scan: left out
+    kStale,  ///< not finite, or not newer than the radar's previous scan: left out
     kReset,  ///< time went back: all earlier scans are forgotten, this one is added
   };
 
