@@ -122,6 +122,9 @@ sensor_msgs::Imu toImu(const dataset::CanImu& imu) {
   message.orientation.x = imu.orientation[1];
   message.orientation.y = imu.orientation[2];
   message.orientation.z = imu.orientation[3];
+  // The unit's heading counts from a reference of its own, neither the map's nor ENU: by the message's
+  // convention, -1 tells filters not to use the orientation, while the measured values stay.
+  message.orientation_covariance[0] = -1.0;
   message.angular_velocity = toVector3(imu.rotation_rate);
   message.linear_acceleration = toVector3(imu.linear_acceleration);
   return message;

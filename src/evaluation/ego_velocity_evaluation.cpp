@@ -168,6 +168,7 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
   for (std::size_t pair = 0; pair + 1 < scene.keyframe_times.size(); ++pair) {
     const double t0 = scene.keyframe_times[pair];
     const double t1 = scene.keyframe_times[pair + 1];
+    if (!scene.truth.covers(t0) || !scene.truth.covers(t1)) continue;
     const double middle = 0.5 * (t0 + t1);
     std::vector<RadarScan> scans;
     for (const LoadedRadar& radar : scene.radars) {
@@ -218,7 +219,7 @@ void evaluateMounts(const RadarScene& scene, const VelocityEvaluationOptions& op
       const double t0 = scene.keyframe_times[pair];
       const double t1 = scene.keyframe_times[pair + 1];
       const auto nearest = nearestScan(radar, 0.5 * (t0 + t1), 0.5 * (t1 - t0));
-      if (!nearest) continue;
+      if (!nearest || !scene.truth.covers(t0) || !scene.truth.covers(t1)) continue;
       const Eigen::Vector3d angular(0.0, 0.0, scene.truth.meanYawRate(t0, t1));
       const Eigen::Vector3d velocity =
           scene.truth.meanVelocity(t0, t1) + angular.cross(radar.T_base_from_sensor.translation());
@@ -255,6 +256,9 @@ void evaluateTrajectory(const RadarScene& scene, const std::vector<StampedVeloci
 void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
                     const VelocityEvaluationOptions& options, const std::vector<StampedVelocity>& velocities,
                     VelocityReport& report) {
+  const bool annotated = std::any_of(scene.keyframe_samples.begin(), scene.keyframe_samples.end(),
+                                     [&](Index sample) { return !tables.annotationsOf(sample).empty(); });
+  if (!annotated) return;  // no boxes is no evidence that nothing moves
   EgoVelocityEstimator estimator(options.estimator);
   for (std::size_t k = 0; k < scene.keyframe_samples.size(); ++k) {
     const Index sample = scene.keyframe_samples[k];
@@ -265,6 +269,7 @@ void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
       }
     }
     const double time = scene.keyframe_times[k];
+    if (!scene.truth.covers(time)) continue;
     const EgoVelocityResult& result = estimator.estimate(scans, time, accelerationAt(velocities, time));
     if (!result.valid()) continue;
     const std::vector<MovingBox> boxes = boxesAt(tables, sample);
@@ -284,6 +289,19 @@ void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
         if (in_base.head<2>().norm() < kReportedRange) report.dynamic_70m.add(predicted, actual);
       }
     }
+  }
+}
+
+void correctMounts(RadarScene& scene, const std::map<std::string, double>& corrections) {
+  for (const auto& [channel, yaw] : corrections) {
+    const auto radar = std::find_if(scene.radars.begin(), scene.radars.end(),
+                                    [&name = channel](const LoadedRadar& r) { return r.channel == name; });
+    if (radar == scene.radars.end() || !std::isfinite(yaw)) {
+      throw dataset::DatasetError("mount yaw correction of '" + channel + "': " +
+                                  (std::isfinite(yaw) ? "no such radar is evaluated" : "it is not finite"));
+    }
+    radar->T_base_from_sensor.linear() =
+        Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * radar->T_base_from_sensor.linear();
   }
 }
 
@@ -308,6 +326,10 @@ VelocityReport& VelocityReport::operator+=(const VelocityReport& other) {
   frames += other.frames;
   refused += other.refused;
   merge(refusals, other.refusals);
+  for (const auto& [channel, counts] : other.missing_files) {
+    missing_files[channel].first += counts.first;
+    missing_files[channel].second += counts.second;
+  }
   merge(mae, other.mae);
   merge(models, other.models);
   merge(mounts, other.mounts);
@@ -327,11 +349,11 @@ VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
   VelocityReport report;
   report.scene = tables.scenes[static_cast<std::size_t>(scene)].name;
   RadarScene loaded = loadRadarScene(tables, scene, options.channels, options.extraction);
-  for (LoadedRadar& radar : loaded.radars) {
-    const auto correction = options.mount_yaw_corrections.find(radar.channel);
-    if (correction == options.mount_yaw_corrections.end()) continue;
-    radar.T_base_from_sensor.linear() =
-        Eigen::AngleAxisd(correction->second, Eigen::Vector3d::UnitZ()) * radar.T_base_from_sensor.linear();
+  correctMounts(loaded, options.mount_yaw_corrections);
+  for (const LoadedRadar& radar : loaded.radars) {
+    if (radar.scans.size() < radar.listed) {
+      report.missing_files[radar.channel] = {radar.listed - radar.scans.size(), radar.listed};
+    }
   }
   const std::vector<StampedVelocity> velocities = estimateSweeps(loaded, options, report);
   evaluatePairs(loaded, options, velocities, report);

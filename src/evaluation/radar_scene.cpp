@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "radar_dot/dataset/point_files.h"
+#include "radar_dot/evaluation/ego_velocity_evaluation.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -43,7 +44,33 @@ std::vector<std::string> radarChannels(const Tables& tables, Index scene,
           fmt::format("{}: channel '{}' is not one of its radars: {}", scene_name, channel, names));
     }
   }
-  return wanted.empty() ? available : wanted;
+  if (wanted.empty()) return available;
+  std::vector<std::string> channels = wanted;
+  std::sort(channels.begin(), channels.end());
+  channels.erase(std::unique(channels.begin(), channels.end()), channels.end());
+  return channels;
+}
+
+/// Times of the keyframes, s.
+std::vector<double> keyframeTimes(const Tables& tables, Index scene, const PoseTrack& truth) {
+  std::vector<double> times;
+  const std::string& name = tables.scenes[at(scene)].name;
+  bool covered = false;
+  for (const Index row : tables.samplesOf(scene)) {
+    const double time = 1e-6 * static_cast<double>(tables.samples[at(row)].timestamp_us);
+    if (!times.empty() && !(time > times.back())) {
+      throw DatasetError(fmt::format(
+          "sample.json, {}: two keyframes at {:.6f} s; each needs a time of its own", name, time));
+    }
+    covered = covered || truth.covers(time);
+    times.push_back(time);
+  }
+  if (!covered) {
+    throw DatasetError(
+        fmt::format("ego_pose.json, {}: the poses cover {:.3f} to {:.3f} s, no keyframe lies within", name,
+                    truth.begin(), truth.end()));
+  }
+  return times;
 }
 
 LoadedRadar loadRadar(const Tables& tables, Index scene, const std::string& channel,
@@ -53,6 +80,7 @@ LoadedRadar loadRadar(const Tables& tables, Index scene, const std::string& chan
   DopplerExtractor extractor(extraction);
   for (const Index row : tables.readingsOf(scene, channel)) {
     const dataset::SampleData& reading = tables.sample_data[at(row)];
+    ++radar.listed;
     const std::filesystem::path path = tables.path(reading);
     if (!std::filesystem::exists(path)) continue;  // a dataroot may hold only part of the sweeps
     LoadedScan scan;
@@ -92,21 +120,21 @@ RadarScene loadRadarScene(const Tables& tables, Index scene, const std::vector<s
   for (const std::string& channel : radarChannels(tables, scene, channels)) {
     radars.push_back(loadRadar(tables, scene, channel, extraction));
     scans += radars.back().scans.size();
+    if (!channels.empty() && radars.back().scans.empty()) {
+      throw NoRadarFiles(fmt::format("{}: none of the {} files of {} is under {}",
+                                     tables.scenes[at(scene)].name, radars.back().listed, channel,
+                                     tables.dataroot().string()));
+    }
   }
   const std::string& name = tables.scenes[at(scene)].name;
   if (scans == 0) {
-    throw DatasetError(
+    throw NoRadarFiles(
         fmt::format("{}: none of its radar files is under {}", name, tables.dataroot().string()));
   }
-  RadarScene result{std::move(radars),
-                    {},
-                    tables.samplesOf(scene),
-                    loadTruth(tables, scene),
-                    dataset::readCanBus(tables.dataroot(), name).vehicle};
-  for (const Index sample : result.keyframe_samples) {
-    result.keyframe_times.push_back(1e-6 * static_cast<double>(tables.samples[at(sample)].timestamp_us));
-  }
-  return result;
+  PoseTrack truth = loadTruth(tables, scene);
+  std::vector<double> times = keyframeTimes(tables, scene, truth);
+  return {std::move(radars), std::move(times), tables.samplesOf(scene), std::move(truth),
+          dataset::readCanBus(tables.dataroot(), name).vehicle};
 }
 
 }  // namespace radar_dot::evaluation

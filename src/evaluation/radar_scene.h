@@ -27,6 +27,7 @@ struct LoadedRadar {
   std::string channel;
   Eigen::Isometry3d T_base_from_sensor = Eigen::Isometry3d::Identity();
   std::vector<LoadedScan> scans;
+  std::size_t listed = 0;  ///< readings in the tables; those without a file are not in `scans`
 
   RadarScan scan(std::size_t index) const {
     return {&scans[index].returns, T_base_from_sensor, scans[index].time, nullptr};
@@ -43,8 +44,9 @@ struct RadarScene {
 };
 
 /// Reads the scans of `channels` (empty = every radar), the poses and the wheel speeds of a scene.
-/// @throws dataset::DatasetError for unreadable files, a channel that is no radar of the scene, or
-///         a scene with fewer than two poses.
+/// @throws dataset::DatasetError for unreadable files, a channel that is no radar of the scene or,
+///         named in `channels`, has no file; keyframes out of order; a scene with fewer than two poses
+///         or with poses of another time.
 RadarScene loadRadarScene(const dataset::Tables& tables, dataset::Index scene,
                           const std::vector<std::string>& channels, const ExtractionParams& extraction);
 

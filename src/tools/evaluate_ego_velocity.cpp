@@ -20,6 +20,8 @@ using radar_dot::evaluation::VelocityEvaluationOptions;
 using radar_dot::evaluation::VelocityReport;
 using radar_dot::evaluation::writeFile;
 
+constexpr int kUsage = 2;
+
 struct Arguments {
   std::string dataroot, version = "v1.0-mini", json, csv, model = "planar_yaw";
   std::vector<std::string> scenes, mount_corrections;
@@ -40,22 +42,31 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--model", arguments.model, "Motion model of trajectory and labels")->capture_default_str();
   app.add_option("--doppler-scale", arguments.options.extraction.doppler_scale,
                  "Factor on every Doppler velocity")
+      ->check(CLI::Range(-10.0, 10.0))
       ->capture_default_str();
   app.add_option("--threshold", arguments.options.estimator.segmentation.threshold,
                  "tau of the two passes, m/s")
+      ->check(CLI::Range(0.001, 100.0))
       ->capture_default_str();
   radar_dot::EgoVelocityParams& estimator = arguments.options.estimator;
   app.add_option("--inlier-threshold", estimator.inlier_threshold, "RANSAC inlier residual, m/s")
+      ->check(CLI::Range(0.001, 100.0))
       ->capture_default_str();
-  app.add_option("--iterations", estimator.ransac_iterations, "RANSAC hypotheses")->capture_default_str();
+  app.add_option("--iterations", estimator.ransac_iterations, "RANSAC hypotheses")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   app.add_option("--seed", estimator.seed, "Seed of RANSAC")->capture_default_str();
   app.add_option("--doppler-std", estimator.doppler_std, "1 sigma of a Doppler velocity, m/s")
+      ->check(CLI::Range(0.001, 100.0))
       ->capture_default_str();
-  app.add_option("--azimuth-std", estimator.azimuth_std, "1 sigma of a bearing, rad")->capture_default_str();
+  app.add_option("--azimuth-std", estimator.azimuth_std, "1 sigma of a bearing, rad")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--mount-yaw-correction", arguments.mount_corrections,
                  "CHANNEL=RAD, comma-separated: added to the yaw of a mount")
       ->delimiter(',');
   app.add_option("--scan-std", estimator.scan_std, "1 sigma of what the returns of a scan share, m/s")
+      ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   app.add_flag("--all-returns", arguments.all_returns, "Switch the nuScenes validity filters off");
   app.add_flag("--paper-labels", arguments.paper_labels,
@@ -78,6 +89,9 @@ std::map<std::string, double> parseCorrections(const std::vector<std::string>& t
 }
 
 int run(Arguments& arguments) {
+  if (!arguments.json.empty() && arguments.json == arguments.csv) {
+    throw std::invalid_argument("--json and --csv name the same file, " + arguments.json);
+  }
   namespace dataset = radar_dot::dataset;
   VelocityEvaluationOptions& options = arguments.options;
   options.estimator.model = radar_dot::motionModelFromString(arguments.model);
@@ -96,12 +110,30 @@ int run(Arguments& arguments) {
   std::vector<VelocityReport> reports;
   VelocityReport overall;
   for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
-    reports.push_back(evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene), options));
-    overall += reports.back();
+    try {
+      reports.push_back(evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene), options));
+      overall += reports.back();
+    } catch (const radar_dot::evaluation::NoRadarFiles& error) {
+      // A dataroot may hold a part of the scenes; one that was asked for must be there.
+      if (!arguments.scenes.empty() || tables.scenes.size() == 1) throw;
+      fmt::print(stderr, "evaluate_ego_velocity: warning: left out {}\n", error.what());
+    }
   }
-  std::fputs(formatTable(reports, overall).c_str(), stdout);
+  if (reports.empty()) throw std::runtime_error(arguments.dataroot + ": no scene has radar files on disk");
+  for (const auto& [channel, counts] : overall.missing_files) {
+    fmt::print(stderr,
+               "evaluate_ego_velocity: warning: {}: {} of {} files are not on disk; evaluated the others\n",
+               channel, counts.first, counts.second);
+  }
+  if (overall.frames == 0) {
+    fmt::print(stderr, "evaluate_ego_velocity: warning: no pair of keyframes to compare with the poses\n");
+  }
   if (!arguments.json.empty()) writeFile(arguments.json, formatJson(reports, overall));
   if (!arguments.csv.empty()) writeFile(arguments.csv, formatCsv(reports, overall));
+  const std::string table = formatTable(reports, overall);
+  if (std::fwrite(table.data(), 1, table.size(), stdout) != table.size() || std::fflush(stdout) != 0) {
+    throw std::runtime_error("the table cannot be written to standard output");
+  }
   return 0;
 }
 
@@ -112,7 +144,14 @@ int main(int argc, char** argv) {
   Arguments arguments;
   arguments.options.extraction.doppler_scale = radar_dot::evaluation::kNuscenesDopplerScale;
   declare(app, arguments);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "evaluate_ego_velocity: {} (see --help)\n", error.what());
+    return kUsage;
+  }
   try {
     return run(arguments);
   } catch (const std::exception& error) {

@@ -304,6 +304,7 @@ TEST_P(ConvertedFixture, CanMessagesFollowTheDrive) {
     EXPECT_NEAR(imu[i]->angular_velocity.z, truth().drive.yaw_rate, 1e-6);
     EXPECT_EQ(imu[i]->linear_acceleration.z, can.imu[i].linear_acceleration[2]);
     EXPECT_EQ(imu[i]->orientation.w, can.imu[i].orientation[0]);
+    EXPECT_EQ(imu[i]->orientation_covariance[0], -1.0) << "no orientation for filters";
   }
 }
 

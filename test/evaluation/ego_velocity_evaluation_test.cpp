@@ -98,6 +98,36 @@ TEST_F(Evaluation, AMountThatIsTurnedIsFound) {
   EXPECT_NEAR(report.mounts.at("RADAR_BACK_RIGHT").yaw(), 0.0, 1e-3);
 }
 
+// Poses of another time are no ground truth.
+TEST_F(Evaluation, PosesThatDoNotCoverTheSceneAreRefused) {
+  dataset::Tables shifted = dataset::Tables::load(fixture_->dataroot());
+  for (auto& pose : shifted.ego_poses) pose.timestamp_us -= 1'000'000'000;
+  try {
+    evaluateEgoVelocity(shifted, shifted.findScene(NuscenesFixture::kStraightScene));
+    FAIL() << "accepted";
+  } catch (const dataset::DatasetError& error) {
+    EXPECT_NE(std::string(error.what()).find("ego_pose.json"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(Evaluation, KeyframesOutOfOrderAreRefused) {
+  dataset::Tables same = dataset::Tables::load(fixture_->dataroot());
+  for (auto& sample : same.samples) sample.timestamp_us = same.samples[0].timestamp_us;
+  EXPECT_THROW(evaluateEgoVelocity(same, same.findScene(NuscenesFixture::kStraightScene)),
+               dataset::DatasetError);
+}
+
+// Without annotations there is nothing to compare the labels with, which is not a failure.
+TEST_F(Evaluation, WithoutAnnotationsThereIsNoLabelFigure) {
+  dataset::LoadOptions load;
+  load.annotations = false;
+  const dataset::Tables bare = dataset::Tables::load(fixture_->dataroot(), load);
+  const VelocityReport report = evaluateEgoVelocity(bare, bare.findScene(NuscenesFixture::kStraightScene));
+  EXPECT_TRUE(std::isnan(report.dynamic.f1()));
+  EXPECT_TRUE(std::isnan(report.dynamic.precision()));
+  EXPECT_GT(report.frames, 0U);
+}
+
 TEST_F(Evaluation, AnUnknownChannelIsNamedWithTheRadarsAtHand) {
   VelocityEvaluationOptions options;
   options.channels = {"RADAR_REAR"};

@@ -1,12 +1,15 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 
 #include "fixtures/nuscenes_fixture.h"
@@ -71,6 +74,46 @@ TEST_F(EvaluateEgoVelocity, AnUnwritableOutputIsNamed) {
   const Outcome outcome = runTool(dataroot() + " --json /nowhere/out.json");
   EXPECT_NE(outcome.exit_code, 0);
   EXPECT_NE(outcome.text.find("evaluate_ego_velocity: /nowhere/out.json"), std::string::npos) << outcome.text;
+}
+
+TEST_F(EvaluateEgoVelocity, BadOptionsGetOneLine) {
+  expectRefusal(dataroot() + " --threshold -1", "--threshold");
+  expectRefusal(dataroot() + " --iterations 0", "--iterations");
+  expectRefusal(dataroot() + " --doppler-scale 0", "doppler_scale");
+  expectRefusal(dataroot() + " --no-such-option", "--no-such-option");
+  expectRefusal(dataroot() + " --mount-yaw-correction RADAR_FRONT", "CHANNEL=RAD");
+  expectRefusal(dataroot() + " --mount-yaw-correction RADAR_FRONT=nan", "RADAR_FRONT");
+  expectRefusal(dataroot() + " --mount-yaw-correction RADAR_TYPO=0.1", "RADAR_TYPO");
+  expectRefusal(dataroot() + " --json same --csv same", "same");
+}
+
+TEST_F(EvaluateEgoVelocity, LinksAndPipesSurvive) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path real = folder.path() / "real.json";
+  test::writeFile(real, "old");
+  std::filesystem::create_symlink(real, folder.path() / "link.json");
+  ASSERT_EQ(runTool(dataroot() + " --json " + (folder.path() / "link.json").string()).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "link.json"));
+  EXPECT_EQ(test::readFile(real).front(), '{');
+
+  const std::filesystem::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const Outcome outcome =
+      runTool(dataroot() + " --json " + pipe.string() + " >/dev/null & cat " + pipe.string());
+  EXPECT_EQ(outcome.text.front(), '{');
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+TEST_F(EvaluateEgoVelocity, MissingFilesAreCounted) {
+  test::FixtureOptions options;
+  options.channels_on_disk = {"RADAR_FRONT", "RADAR_BACK_LEFT"};
+  const test::NuscenesFixture partial(options);
+  const std::string root = "--dataroot " + partial.dataroot().string();
+  const Outcome outcome = runTool(root);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("warning: RADAR_FRONT_LEFT: "), std::string::npos) << outcome.text;
+  EXPECT_EQ(outcome.text.find("warning: RADAR_FRONT: "), std::string::npos) << outcome.text;
+  expectRefusal(root + " --scenes scene-0001 --channels RADAR_FRONT,RADAR_FRONT_LEFT", "RADAR_FRONT_LEFT");
 }
 
 TEST_F(EvaluateEgoVelocity, ATruncatedPcdIsNamed) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "radar_dot/dataset/tables.h"
@@ -86,7 +87,9 @@ struct MountError {
 /// Results of one scene, or of several merged by operator+=.
 struct VelocityReport {
   std::string scene;
-  std::size_t frames = 0;                       ///< pairs of consecutive keyframes
+  std::size_t frames = 0;  ///< pairs of consecutive keyframes with a true displacement
+  /// Radar files the tables list and the disk lacks, by channel: missing, listed. Only where some are.
+  std::map<std::string, std::pair<std::size_t, std::size_t>> missing_files;
   std::size_t refused = 0;                      ///< of them, refused by the estimator in use
   std::map<std::string, std::size_t> refusals;  ///< by reason
   std::map<std::string, Mean> mae;              ///< by variant: |v - v_gt|, m/s
@@ -103,9 +106,16 @@ struct VelocityReport {
   VelocityReport& operator+=(const VelocityReport& other);
 };
 
+/// None of the radar files a scene needs is on disk.
+class NoRadarFiles : public dataset::DatasetError {
+ public:
+  using DatasetError::DatasetError;
+};
+
 /// Evaluates one scene.
-/// @throws dataset::DatasetError for unreadable files, a channel without readings or a scene
-///         without poses.
+/// @throws NoRadarFiles where a scene, or a requested channel of it, has no file; dataset::DatasetError
+///         for unreadable files, a correction
+///         for a radar the scene does not have, keyframes out of order, or poses that do not cover them.
 VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, dataset::Index scene,
                                    const VelocityEvaluationOptions& options = {});
 

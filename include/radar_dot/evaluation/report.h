@@ -19,7 +19,8 @@ std::string formatJson(const std::vector<VelocityReport>& scenes, const Velocity
 /// One line per scene and one "overall", the same figures as columns.
 std::string formatCsv(const std::vector<VelocityReport>& scenes, const VelocityReport& overall);
 
-/// Writes text to a file by way of a temporary one, so that a failure leaves nothing behind.
+/// Writes text to a file by way of a temporary one beside it, so that a failure leaves the old file, or
+/// none. Links are followed; devices and pipes are written to directly.
 /// @throws std::runtime_error naming the path.
 void writeFile(const std::string& path, const std::string& text);
 
