@@ -19,8 +19,11 @@ namespace {
 // A mount may arrive a moment after the first scans; only then is its absence worth a warning.
 constexpr double kMountPatience = 1.0;  // s
 
-// A stamp further ahead of the clock than this is an error of some clock, not of transport.
-constexpr double kMaxLead = 1.0;  // s
+// A radar without data after this time has probably the wrong topic name.
+constexpr double kStartPatience = 5.0;  // s, wall time
+
+// Frames that wait for their mount; more are names that vary from message to message.
+constexpr std::size_t kMaxMissingMounts = 100;
 
 // A larger share of returns that are not finite is worth a warning.
 constexpr double kMaxShareNotFinite = 0.5;
@@ -62,6 +65,16 @@ void EgoVelocityNodelet::onInit() {
         radars_[i]->config.topic, static_cast<std::uint32_t>(queue_size),
         [this, i](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(i, cloud); });
   }
+  silence_timer_ = handle.createWallTimer(
+      ros::WallDuration(kStartPatience), [this](const ros::WallTimerEvent&) { warnOfSilentRadars(); }, true);
+}
+
+void EgoVelocityNodelet::warnOfSilentRadars() {
+  for (const std::unique_ptr<Radar>& radar : radars_) {
+    if (radar->received) continue;
+    NODELET_WARN("%s: nothing on '%s' yet (%u publishers)", getName().c_str(), radar->config.topic.c_str(),
+                 radar->subscriber.getNumPublishers());
+  }
 }
 
 void EgoVelocityNodelet::setUpRadars() {
@@ -76,7 +89,7 @@ void EgoVelocityNodelet::setUpRadars() {
   }
   for (RadarConfig& config : configs) {
     config.topic = getNodeHandle().resolveName(config.topic);
-    radars_.push_back(std::make_unique<Radar>(std::move(config), expectation_));
+    radars_.push_back(std::make_unique<Radar>(std::move(config), expectation_, sweep_params_.window));
   }
   if (radars_.empty()) {
     configuration_error_ = "no radars: set " + private_handle.resolveName("radars") +
@@ -113,15 +126,35 @@ void EgoVelocityNodelet::applyConfig(const EgoVelocityConfig& config) {
 }
 
 void EgoVelocityNodelet::reconfigure(EgoVelocityConfig& config, std::uint32_t /*level*/) {
-  try {
-    applyConfig(config);
-  } catch (const std::invalid_argument& error) {
-    NODELET_ERROR("%s: %s; keeping the %s", getName().c_str(), error.what(),
-                  config_ ? "parameters as they were" : "defaults");
-    config = config_.value_or(EgoVelocityConfig::__getDefault__());
-    if (!config_) applyConfig(config);
+  if (!config_) {
+    configureAtStart(config);
+  } else {
+    try {
+      applyConfig(config);
+      parameter_error_.clear();
+      can_estimate_ = true;
+    } catch (const std::invalid_argument& error) {
+      NODELET_ERROR("%s: %s; keeping the parameters as they were", getName().c_str(), error.what());
+      config = *config_;
+    }
   }
   config_ = config;
+}
+
+// One bad value must not take the good ones with it.
+void EgoVelocityNodelet::configureAtStart(EgoVelocityConfig& config) {
+  const MendedConfig mended = mendedConfig(config);
+  config = mended.config;
+  can_estimate_ = mended.usable;
+  for (const std::string& problem : mended.problems) {
+    NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
+    parameter_error_ += (parameter_error_.empty() ? "" : "; ") + problem;
+  }
+  if (!can_estimate_) {
+    parameter_error_ += "; nothing is estimated until this is mended";
+    NODELET_ERROR("%s: nothing is estimated until this is mended", getName().c_str());
+  }
+  applyConfig(mended.valid ? config : EgoVelocityConfig::__getDefault__());
 }
 
 void EgoVelocityNodelet::setUpDiagnostics() {
@@ -130,10 +163,9 @@ void EgoVelocityNodelet::setUpDiagnostics() {
   diagnostics_->setHardwareID(extrinsics_->baseFrame());
   diagnostics_->add("configuration", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
     using diagnostic_msgs::DiagnosticStatus;
-    if (configuration_error_.empty()) {
-      status.summaryf(DiagnosticStatus::OK, "%zu radars", radars_.size());
-    } else {
-      status.summary(DiagnosticStatus::ERROR, configuration_error_);
+    status.summaryf(DiagnosticStatus::OK, "%zu radars", radars_.size());
+    for (const std::string& error : {configuration_error_, parameter_error_}) {
+      if (!error.empty()) status.mergeSummary(DiagnosticStatus::ERROR, error);
     }
   });
   diagnostics_->add("estimator", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -152,7 +184,7 @@ void EgoVelocityNodelet::setUpDiagnostics() {
 
 void EgoVelocityNodelet::refuse(Radar& radar, const std::string& cause) {
   radar.monitor.refuse(cause);
-  if (throttle_.allow(radar.config.name + cause)) {
+  if (throttle_.allow(radar.config.name, cause)) {
     NODELET_WARN("%s: cloud on '%s' refused: %s", getName().c_str(), radar.config.topic.c_str(),
                  cause.c_str());
   }
@@ -163,7 +195,7 @@ std::shared_ptr<const RadarReading> EgoVelocityNodelet::read(Radar& radar,
   const ros::Time now = ros::Time::now();
   if (cloud->header.frame_id.empty()) throw std::invalid_argument("its frame_id is empty");
   if (cloud->header.stamp.isZero()) throw std::invalid_argument("its stamp is zero");
-  if (!now.isZero() && (cloud->header.stamp - now).toSec() > kMaxLead) {
+  if (isAhead(cloud->header.stamp, now)) {
     throw std::invalid_argument("its stamp is more than 1 s ahead of the clock; synchronise the clocks");
   }
   auto reading = std::make_shared<RadarReading>();
@@ -174,44 +206,55 @@ std::shared_ptr<const RadarReading> EgoVelocityNodelet::read(Radar& radar,
 }
 
 void EgoVelocityNodelet::onCloud(std::size_t index, const sensor_msgs::PointCloud2ConstPtr& cloud) {
-  Radar& radar = *radars_[index];
-  std::shared_ptr<const RadarReading> reading;
+  radars_[index]->received = true;
   try {
-    reading = read(radar, cloud);
-  } catch (const std::invalid_argument& error) {
-    refuse(radar, error.what());
-    return;
+    addScan(index, cloud);
+  } catch (const std::exception& error) {
+    // Whatever the data are: they must not end the process that we share with others.
+    refuse(*radars_[index], error.what());
+  }
+}
+
+void EgoVelocityNodelet::addScan(std::size_t index, const sensor_msgs::PointCloud2ConstPtr& cloud) {
+  Radar& radar = *radars_[index];
+  if (!can_estimate_) return;
+  if (clock_.wentBack(ros::Time::now())) forgetThePast(cloud->header.stamp);
+  const std::shared_ptr<const RadarReading> reading = read(radar, cloud);
+  switch (radar.stamps.check(cloud->header.stamp)) {
+    case StampGuard::Verdict::kGood: break;
+    case StampGuard::Verdict::kStale:
+      throw std::invalid_argument("its stamp is not later than that of the cloud before");
+    case StampGuard::Verdict::kRestart:
+      forgetThePast(cloud->header.stamp);
+      radar.stamps.check(cloud->header.stamp);
+      break;
   }
 
   const ExtractionCounts& counts = reading->counts;
   // One point of NaN is how some radars say "nothing seen".
   if (counts.total > 1 &&
       static_cast<double>(counts.not_finite) > kMaxShareNotFinite * static_cast<double>(counts.total) &&
-      throttle_.allow(radar.config.name + " not finite")) {
+      throttle_.allow(radar.config.name, "not finite")) {
     NODELET_WARN("%s: %zu of %zu returns on '%s' are not finite", getName().c_str(), counts.not_finite,
                  counts.total, radar.config.topic.c_str());
   }
 
-  const SweepAssembler::Outcome outcome =
-      assembler_->add({index, cloud->header.stamp.toSec(), reading}, completed_);
-  if (outcome == SweepAssembler::Outcome::kStale) {
-    refuse(radar, "its stamp is not later than that of the cloud before");
-    return;
-  }
-  if (outcome == SweepAssembler::Outcome::kReset) {
-    NODELET_WARN("%s: time went back to %.3f s; starting anew", getName().c_str(),
-                 cloud->header.stamp.toSec());
-    forgetThePast();
-  }
+  // The guard let only later stamps through: the assembler neither refuses them nor starts anew.
+  assembler_->add({index, cloud->header.stamp.toSec(), reading}, completed_);
   radar.monitor.scan(cloud->header.stamp, ros::Time::now(), cloud->header.frame_id, counts);
   for (const Sweep& sweep : completed_) processSweep(sweep);
   completed_.clear();
 }
 
-void EgoVelocityNodelet::forgetThePast() {
+void EgoVelocityNodelet::forgetThePast(const ros::Time& stamp) {
+  NODELET_WARN("%s: time went back to %.3f s; starting anew", getName().c_str(), stamp.toSec());
+  assembler_->reset();
   tracker_.reset();
   estimator_monitor_->reset();
-  for (const std::unique_ptr<Radar>& radar : radars_) radar->monitor.reset();
+  for (const std::unique_ptr<Radar>& radar : radars_) {
+    radar->monitor.reset();
+    radar->stamps.reset();
+  }
 }
 
 std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(const Sweep& sweep,
@@ -220,6 +263,7 @@ std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(co
   std::vector<MountedScan> mounted;
   for (const SweepScan& scan : sweep.scans) {
     Radar& radar = *radars_[scan.radar];
+    radar.monitor.used();
     const std::shared_ptr<const RadarReading> reading = readingOf(scan);
     const std::string& frame = reading->cloud->header.frame_id;
     std::string cause;
@@ -227,8 +271,9 @@ std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(co
     radar.monitor.mount(cause);
     if (!mount) {
       const ros::WallTime now = ros::WallTime::now();
+      if (mount_missing_since_.size() > kMaxMissingMounts) mount_missing_since_.clear();
       const ros::WallTime since = mount_missing_since_.try_emplace(frame, now).first->second;
-      if ((now - since).toSec() > kMountPatience && throttle_.allow(frame)) {
+      if ((now - since).toSec() > kMountPatience && throttle_.allow(radar.config.name, cause)) {
         NODELET_WARN("%s: the scans on '%s' are skipped: %s", getName().c_str(), radar.config.topic.c_str(),
                      cause.c_str());
       }
@@ -262,9 +307,10 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
 
   std::string reason = result.reason;
   if (!result.valid() && !mount_error.empty()) reason += "; " + mount_error;
-  publishStatus(stamp, sweep, result, reason, computation_time);
+  publishStatus(stamp, result, mounted, reason, computation_time);
   if (!result.valid()) {
-    if (throttle_.allow("refused")) NODELET_WARN("%s: no estimate: %s", getName().c_str(), reason.c_str());
+    if (throttle_.allow("estimate", "refused"))
+      NODELET_WARN("%s: no estimate: %s", getName().c_str(), reason.c_str());
     return;
   }
   if (result.observed[0]) tracker_.add(sweep.time(), result.linear);
@@ -287,8 +333,8 @@ void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, const EgoVelocityR
   twist_publisher_.publish(message);
 }
 
-void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const Sweep& sweep,
-                                       const EgoVelocityResult& result, const std::string& reason,
+void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const EgoVelocityResult& result,
+                                       const std::vector<MountedScan>& mounted, const std::string& reason,
                                        double computation_time) {
   if (status_publisher_.getNumSubscribers() == 0) return;
   EgoStatus message;
@@ -303,13 +349,13 @@ void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const Sweep& swee
   message.reason = reason;
   message.model = std::string(toString(estimator_.params().model));
   message.solver = std::string(toString(estimator_.params().solver));
-  for (const SweepScan& scan : sweep.scans) {
-    message.total_count += static_cast<std::uint32_t>(readingOf(scan)->counts.total);
+  for (const MountedScan& scan : mounted) {
+    message.total_count += static_cast<std::uint32_t>(scan.reading->counts.total);
   }
   message.return_count = static_cast<std::uint32_t>(result.return_count);
   message.inlier_count = static_cast<std::uint32_t>(result.inlier_count);
   message.dynamic_count = static_cast<std::uint32_t>(result.dynamic_count);
-  message.radar_count = static_cast<std::uint32_t>(sweep.scans.size());
+  message.radar_count = static_cast<std::uint32_t>(mounted.size());
   message.rms = result.rms;
   message.condition_number = result.condition_number;
   for (std::size_t i = 0; i < result.observed.size(); ++i) message.observed[i] = result.observed[i];

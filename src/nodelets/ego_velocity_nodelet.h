@@ -23,6 +23,7 @@
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/radar/odometry.h"
 #include "radar_dot/radar/sweep_assembler.h"
+#include "stamp_guard.h"
 
 namespace radar_dot {
 
@@ -42,10 +43,12 @@ struct RadarReading {
 class EgoVelocityNodelet : public nodelet::Nodelet {
  private:
   struct Radar {
-    Radar(RadarConfig radar_config, const StreamExpectation& expectation)
-        : config(std::move(radar_config)), monitor(config.topic, expectation) {}
+    Radar(RadarConfig radar_config, const StreamExpectation& expectation, double window)
+        : config(std::move(radar_config)), monitor(config.topic, expectation, window) {}
     RadarConfig config;
     RadarMonitor monitor;
+    StampGuard stamps;
+    bool received = false;  // anything, refused or not
     DopplerExtractor extractor;
     ros::Subscriber subscriber;
   };
@@ -60,30 +63,37 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   void setUpReconfigure();
   void setUpDiagnostics();
   void reconfigure(EgoVelocityConfig& config, std::uint32_t level);
+  void configureAtStart(EgoVelocityConfig& config);
   void applyConfig(const EgoVelocityConfig& config);
 
   void onCloud(std::size_t radar, const sensor_msgs::PointCloud2ConstPtr& cloud);
   std::shared_ptr<const RadarReading> read(Radar& radar, const sensor_msgs::PointCloud2ConstPtr& cloud);
+  void addScan(std::size_t radar, const sensor_msgs::PointCloud2ConstPtr& cloud);
   void refuse(Radar& radar, const std::string& cause);
-  void forgetThePast();
+  void warnOfSilentRadars();
+  void forgetThePast(const ros::Time& stamp);
 
   void processSweep(const Sweep& sweep);
   std::vector<MountedScan> mountedScans(const Sweep& sweep, std::vector<RadarScan>& scans,
                                         std::string& error);
   void publishTwist(const ros::Time& stamp, const EgoVelocityResult& result);
-  void publishStatus(const ros::Time& stamp, const Sweep& sweep, const EgoVelocityResult& result,
-                     const std::string& reason, double computation_time);
+  void publishStatus(const ros::Time& stamp, const EgoVelocityResult& result,
+                     const std::vector<MountedScan>& mounted, const std::string& reason,
+                     double computation_time);
   void publishClouds(const std::vector<MountedScan>& scans, const EgoVelocityResult& result);
 
   std::unique_ptr<Extrinsics> extrinsics_;
   std::vector<std::unique_ptr<Radar>> radars_;
-  std::string configuration_error_;
+  std::string configuration_error_;  // of the radars
+  std::string parameter_error_;      // of the dynamic parameters
+  bool can_estimate_ = false;        // the dynamic parameters make sense
   StreamExpectation expectation_;
   SweepParams sweep_params_;
   std::optional<SweepAssembler> assembler_;
   std::vector<Sweep> completed_;  // kept between calls for its memory
   EgoVelocityEstimator estimator_;
   AccelerationTracker tracker_;
+  ClockWatch clock_;
   std::map<std::string, ros::WallTime> mount_missing_since_;  // by frame
 
   ros::Publisher twist_publisher_, status_publisher_, static_publisher_, dynamic_publisher_;
@@ -92,7 +102,7 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   std::unique_ptr<dynamic_reconfigure::Server<EgoVelocityConfig>> reconfigure_server_;
   std::unique_ptr<EstimatorMonitor> estimator_monitor_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
-  ros::WallTimer diagnostics_timer_;
+  ros::WallTimer diagnostics_timer_, silence_timer_;
 };
 
 }  // namespace radar_dot

@@ -13,6 +13,9 @@ using diagnostic_updater::DiagnosticStatusWrapper;
 
 constexpr std::size_t kRateStamps = 27;  // two seconds of a radar at 13 Hz
 
+// Scans that may wait for their sweep when a report is due.
+constexpr std::size_t kWaiting = 1;
+
 }  // namespace
 
 void StreamMonitor::tick(const ros::Time& stamp, const ros::Time& arrival) {
@@ -20,7 +23,8 @@ void StreamMonitor::tick(const ros::Time& stamp, const ros::Time& arrival) {
   stamps_.push_back(stamp);
   if (stamps_.size() > kRateStamps) stamps_.pop_front();
   last_arrival_ = arrival;
-  age_ = (arrival - stamp).toSec();
+  // Differences of ros::Time throw where a wrong stamp is decades away.
+  age_ = arrival.toSec() - stamp.toSec();
 }
 
 void StreamMonitor::reset() {
@@ -30,12 +34,12 @@ void StreamMonitor::reset() {
 
 double StreamMonitor::rate() const {
   if (stamps_.size() < 2) return 0.0;
-  return static_cast<double>(stamps_.size() - 1) / (stamps_.back() - stamps_.front()).toSec();
+  return static_cast<double>(stamps_.size() - 1) / (stamps_.back().toSec() - stamps_.front().toSec());
 }
 
 double StreamMonitor::silence(const ros::Time& now) const {
   // The clock may have gone back since.
-  return received() ? std::max(0.0, (now - last_arrival_).toSec()) : 0.0;
+  return received() ? std::max(0.0, now.toSec() - last_arrival_.toSec()) : 0.0;
 }
 
 void StreamMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status) const {
@@ -67,6 +71,8 @@ void RadarMonitor::scan(const ros::Time& stamp, const ros::Time& arrival, const 
   ++good_;
 }
 
+std::size_t RadarMonitor::outside() const { return good_ > used_ ? good_ - used_ : 0; }
+
 void RadarMonitor::refuse(const std::string& cause) {
   cause_ = cause;
   ++refused_;
@@ -75,7 +81,7 @@ void RadarMonitor::refuse(const std::string& cause) {
 
 void RadarMonitor::reset() {
   stream_.reset();
-  good_ = refused_ = 0;
+  good_ = used_ = refused_ = 0;
 }
 
 void RadarMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status) {
@@ -85,14 +91,20 @@ void RadarMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status)
                     refused_, cause_.c_str());
   } else if (good_ > 0 && !mount_error_.empty()) {
     status.summary(DiagnosticStatus::ERROR, mount_error_);
+  } else if (outside() > kWaiting && 2 * outside() > good_) {
+    status.mergeSummaryf(DiagnosticStatus::WARN,
+                         "%zu of %zu scans outside the window of %.2f s: check its clock or the "
+                         "parameter window",
+                         outside(), good_, window_);
   }
   status.add("topic", topic_);
   status.add("frame", frame_);
   status.addf("returns", "%zu", counts_.total);
   status.addf("returns accepted", "%zu", counts_.accepted);
   status.addf("returns not finite", "%zu", counts_.not_finite);
+  status.addf("scans used", "%zu of %zu", used_, good_);
   status.addf("clouds refused", "%zu", refused_in_all_);
-  good_ = refused_ = 0;
+  good_ = used_ = refused_ = 0;
 }
 
 void EstimatorMonitor::estimate(const ros::Time& stamp, const ros::Time& arrival,

@@ -47,11 +47,14 @@ class StreamMonitor {
 /// Health of one radar.
 class RadarMonitor {
  public:
-  RadarMonitor(std::string topic, StreamExpectation expectation)
-      : topic_(std::move(topic)), stream_(expectation) {}
+  /// @param window  s, of the sweeps
+  RadarMonitor(std::string topic, StreamExpectation expectation, double window)
+      : topic_(std::move(topic)), window_(window), stream_(expectation) {}
 
   void scan(const ros::Time& stamp, const ros::Time& arrival, const std::string& frame,
             const ExtractionCounts& counts);
+  /// A scan found its place in a sweep.
+  void used() { ++used_; }
   /// A cloud that could not be read, and why.
   void refuse(const std::string& cause);
   /// The mount of the radar: `error` is empty when TF knows it.
@@ -62,13 +65,17 @@ class RadarMonitor {
   void report(const ros::Time& now, diagnostic_updater::DiagnosticStatusWrapper& status);
 
  private:
+  std::size_t outside() const;  ///< scans since the last report that no sweep used
+
   std::string topic_;
+  double window_;
   StreamMonitor stream_;
   std::string frame_;
   std::string mount_error_;
   std::string cause_;
   ExtractionCounts counts_;
   std::size_t good_ = 0;     ///< since the last report
+  std::size_t used_ = 0;     ///< since the last report
   std::size_t refused_ = 0;  ///< since the last report
   std::size_t refused_in_all_ = 0;
 };

@@ -16,7 +16,6 @@ namespace radar_dot {
 namespace {
 
 constexpr std::size_t kMaxPending = 50;      // twists waiting for a rotation
-constexpr double kResetAfter = 1.0;          // s, a step back in time that starts everything anew
 constexpr double kUnobservedVariance = 1e5;  // (m/s)^2 or (rad/s)^2
 constexpr double kPendingPeriod = 0.05;      // s, how often waiting twists are looked at
 constexpr std::array<const char*, 6> kComponents = {"vx", "vy", "vz", "wx", "wy", "wz"};
@@ -47,8 +46,11 @@ void OdometryNodelet::onInit() {
 
   odometry_publisher_ = handle.advertise<nav_msgs::Odometry>("odom", 10);
   // Who joins late gets the path so far; it is sent again when it grows.
-  path_publisher_ = handle.advertise<nav_msgs::Path>(
-      "path", 1, [this](const ros::SingleSubscriberPublisher& subscriber) { subscriber.publish(path_); });
+  path_publisher_ =
+      handle.advertise<nav_msgs::Path>("path", 1, [this](const ros::SingleSubscriberPublisher& subscriber) {
+        if (!path_.poses.empty()) subscriber.publish(path_);
+      });
+  path_.header.frame_id = odom_frame_;
   broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
   static_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
 
@@ -68,7 +70,8 @@ void OdometryNodelet::setUpRotationSource() {
     publishSourceTf();
     processPending();
   };
-  callbacks.time_reset = [this] { forgetThePast(rotation_source_->describe(), ros::Time::now().toSec()); };
+  callbacks.arrival = [this] { followClock(); };
+  callbacks.anew = [this] { R_odom_from_source_.reset(); };
   callbacks.warn = [this](const std::string& text) { warn(text); };
   try {
     rotation_source_ =
@@ -84,8 +87,14 @@ void OdometryNodelet::setUpRotationSource() {
     start_at_source_ = false;
   }
   if (rotation_source_) {
-    pending_timer_ = getNodeHandle().createWallTimer(
-        ros::WallDuration(kPendingPeriod), [this](const ros::WallTimerEvent&) { processPending(); });
+    pending_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kPendingPeriod),
+                                                     [this](const ros::WallTimerEvent&) {
+                                                       try {
+                                                         processPending();
+                                                       } catch (const std::exception& error) {
+                                                         warn(std::string("twist left out: ") + error.what());
+                                                       }
+                                                     });
   }
 }
 
@@ -103,7 +112,7 @@ void OdometryNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status
   using diagnostic_msgs::DiagnosticStatus;
   twist_monitor_->report(ros::Time::now(), status);
   if (!unobserved_.empty()) {
-    status.mergeSummary(DiagnosticStatus::WARN, "not observed, taken as 0: " + unobserved_);
+    status.mergeSummary(DiagnosticStatus::WARN, "not observed, least sideslip assumed: " + unobserved_);
   }
   if (!configuration_error_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_error_);
   status.add("twist topic", twist_subscriber_.getTopic());
@@ -133,13 +142,19 @@ void OdometryNodelet::reportRotation(diagnostic_updater::DiagnosticStatusWrapper
 }
 
 void OdometryNodelet::warn(const std::string& text) {
-  if (throttle_.allow(text)) NODELET_WARN("%s: %s", getName().c_str(), text.c_str());
+  if (throttle_.allow({}, text)) NODELET_WARN("%s: %s", getName().c_str(), text.c_str());
 }
 
-void OdometryNodelet::forgetThePast(const std::string& who, double time) {
-  NODELET_WARN("%s: time went back to %.3f s (%s); starting anew", getName().c_str(), time, who.c_str());
+void OdometryNodelet::followClock() {
+  const ros::Time now = ros::Time::now();
+  if (!clock_.wentBack(now)) return;
+  NODELET_WARN("%s: the clock went back to %.3f s; starting anew", getName().c_str(), now.toSec());
+  forgetThePast();
+}
+
+void OdometryNodelet::forgetThePast() {
   pending_.clear();
-  last_stamp_.reset();
+  twist_stamps_.reset();
   integrator_.reset();
   started_ = false;
   R_odom_from_source_.reset();
@@ -153,6 +168,9 @@ void OdometryNodelet::forgetThePast(const std::string& who, double time) {
 
 std::string OdometryNodelet::defectOf(const geometry_msgs::TwistWithCovarianceStamped& twist) const {
   if (twist.header.stamp.isZero()) return "its stamp is zero";
+  if (isAhead(twist.header.stamp, ros::Time::now())) {
+    return "its stamp is more than 1 s ahead of the clock; synchronise the clocks";
+  }
   if (twist.header.frame_id != extrinsics_->baseFrame()) {
     return "its frame is '" + twist.header.frame_id + "', not the base frame '" + extrinsics_->baseFrame() +
            "'";
@@ -165,21 +183,29 @@ std::string OdometryNodelet::defectOf(const geometry_msgs::TwistWithCovarianceSt
 }
 
 void OdometryNodelet::onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) {
-  const double time = twist->header.stamp.toSec();
-  std::string defect = defectOf(*twist);
-  if (defect.empty() && last_stamp_ && time <= *last_stamp_) {
-    if (*last_stamp_ - time > kResetAfter) {
-      forgetThePast("twist", time);
-    } else {
-      defect = "its stamp is not later than that of the twist before";
-    }
-  }
-  if (!defect.empty()) {
+  try {
+    takeTwist(twist);
+  } catch (const std::exception& error) {
     ++refused_;
-    warn("twist on '" + twist_subscriber_.getTopic() + "' refused: " + defect);
-    return;
+    warn("twist on '" + twist_subscriber_.getTopic() + "' refused: " + error.what());
   }
-  last_stamp_ = time;
+}
+
+void OdometryNodelet::takeTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) {
+  followClock();
+  const std::string defect = defectOf(*twist);
+  if (!defect.empty()) throw std::invalid_argument(defect);
+  switch (twist_stamps_.check(twist->header.stamp)) {
+    case StampGuard::Verdict::kGood: break;
+    case StampGuard::Verdict::kStale:
+      throw std::invalid_argument("its stamp is not later than that of the twist before");
+    case StampGuard::Verdict::kRestart:
+      NODELET_WARN("%s: the twists went back to %.3f s; starting anew", getName().c_str(),
+                   twist->header.stamp.toSec());
+      forgetThePast();
+      twist_stamps_.check(twist->header.stamp);
+      break;
+  }
   const ros::Time now = ros::Time::now();
   twist_monitor_->tick(twist->header.stamp, now);
   pending_.push_back({twist, now});
@@ -193,7 +219,7 @@ void OdometryNodelet::processPending() {
     std::optional<PoseSample> pose;
     if (rotation_source_) {
       pose = rotation_source_->at(twist->header.stamp);
-      const bool patient = now - pending_.front().arrival <= ros::Duration(config_.rotation_timeout);
+      const bool patient = now.toSec() - pending_.front().arrival.toSec() <= config_.rotation_timeout;
       if (!pose && patient && pending_.size() <= kMaxPending) return;
       if (!pose) {
         ++without_rotation_;
@@ -252,14 +278,15 @@ OdometryNodelet::BodyVelocity OdometryNodelet::bodyVelocity(
   unobserved_.clear();
   for (Eigen::Index i = 0; i < 6; ++i) {
     if (velocity.covariance(i, i) < kUnobservedVariance) continue;
-    (i < 3 ? velocity.linear(i) : velocity.angular(i - 3)) = 0.0;
+    const bool vertical = i == 2 || i == 3 || i == 4;
     // A vehicle on its wheels neither climbs nor rolls nor pitches by itself: no news for anybody.
-    const bool matters = i < 2 || (i == 5 && !rotation_known);
-    if (matters)
+    if (vertical) (i < 3 ? velocity.linear(i) : velocity.angular(i - 3)) = 0.0;
+    // vx, vy and wz stay as given: together they are what the returns allow with the least sideslip.
+    if (i < 2 || (i == 5 && !rotation_known))
       unobserved_ +=
           (unobserved_.empty() ? "" : ", ") + std::string(kComponents[static_cast<std::size_t>(i)]);
   }
-  if (!unobserved_.empty()) warn("the twist does not observe " + unobserved_ + ": taken as 0");
+  if (!unobserved_.empty()) warn("the twist does not observe " + unobserved_ + ": least sideslip assumed");
   return velocity;
 }
 

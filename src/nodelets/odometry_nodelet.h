@@ -22,6 +22,7 @@
 #include "radar_dot/OdometryConfig.h"
 #include "radar_dot/radar/odometry.h"
 #include "rotation_source.h"
+#include "stamp_guard.h"
 
 namespace radar_dot {
 
@@ -35,7 +36,7 @@ class OdometryNodelet : public nodelet::Nodelet {
     geometry_msgs::TwistWithCovarianceStampedConstPtr message;
     ros::Time arrival;
   };
-  /// A twist with what is not observed set to zero.
+  /// A twist with the vertical motion that is not observed set to zero.
   struct BodyVelocity {
     Eigen::Vector3d linear, angular;
     Eigen::Matrix<double, 6, 6> covariance;
@@ -47,6 +48,7 @@ class OdometryNodelet : public nodelet::Nodelet {
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
   void reportRotation(diagnostic_updater::DiagnosticStatusWrapper& status);
 
+  void takeTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist);
   void onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist);
   /// Why the twist cannot be used; empty when it can.
   std::string defectOf(const geometry_msgs::TwistWithCovarianceStamped& twist) const;
@@ -60,7 +62,9 @@ class OdometryNodelet : public nodelet::Nodelet {
   /// Once per frame of the source, when asked for.
   void publishSourceTf();
   void bridgeGap(double gap, double speed);
-  void forgetThePast(const std::string& who, double time);
+  /// Forgets the past when the clock went back.
+  void followClock();
+  void forgetThePast();
   void warn(const std::string& text);
 
   void publish(const geometry_msgs::TwistWithCovarianceStamped& twist);
@@ -77,7 +81,8 @@ class OdometryNodelet : public nodelet::Nodelet {
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<RotationSource> rotation_source_;  // none: the twist's own yaw rate
   std::deque<PendingTwist> pending_;
-  std::optional<double> last_stamp_;  // of the twists received, s
+  ClockWatch clock_;
+  StampGuard twist_stamps_;
 
   VelocityIntegrator integrator_;
   bool started_ = false;
@@ -88,7 +93,7 @@ class OdometryNodelet : public nodelet::Nodelet {
   nav_msgs::Path path_;
 
   std::unique_ptr<StreamMonitor> twist_monitor_;
-  std::string unobserved_;            // components of the latest twist taken as zero
+  std::string unobserved_;            // components of the latest twist that its returns do not determine
   std::size_t without_rotation_ = 0;  // twists since the last report integrated without the source
   std::size_t gaps_ = 0, refused_ = 0;
 

@@ -40,6 +40,16 @@ ExtractionParams extractionParams(const EgoVelocityConfig& config);
 /// Estimator and segmentation as configured. @throws std::invalid_argument.
 EgoVelocityParams estimatorParams(const EgoVelocityConfig& config);
 
+/// A configuration in which what made no sense has been replaced by its default.
+struct MendedConfig {
+  EgoVelocityConfig config;
+  std::vector<std::string> problems;  ///< one line per replaced parameter
+  bool valid = true;                  ///< extractionParams and estimatorParams accept `config`
+  bool usable = true;                 ///< and no velocity of the wrong sign can come of the replacement
+};
+/// Checks every parameter (or pair that belongs together) by itself.
+MendedConfig mendedConfig(const EgoVelocityConfig& config);
+
 /// A private parameter that must be finite and positive; else one error line, and the default.
 double positiveParameter(const ros::NodeHandle& private_handle, const std::string& name,
                          double default_value);

@@ -9,10 +9,44 @@
 #include <stdexcept>
 #include <utility>
 
+#include "stamp_guard.h"
+
 namespace radar_dot {
 namespace {
 
 constexpr std::uint32_t kQueueSize = 200;
+
+/// What both sources of messages have in common: nothing that arrives may end the process, and a
+/// wrong stamp costs no more than its own message.
+class MessageGate {
+ public:
+  /// Runs `body`; whatever it throws becomes a warning.
+  template <typename Body>
+  void handle(const RotationSource::Callbacks& callbacks, const std::string& source, const Body& body) const {
+    try {
+      callbacks.arrival();
+      body();
+    } catch (const std::exception& error) {
+      callbacks.warn(source + ": a message is left out: " + error.what());
+    }
+  }
+  /// @throws std::invalid_argument for a stamp that cannot be used.
+  StampGuard::Verdict check(const ros::Time& stamp) {
+    if (stamp.isZero()) throw std::invalid_argument("its stamp is zero");
+    if (isAhead(stamp, ros::Time::now())) {
+      throw std::invalid_argument("its stamp is more than 1 s ahead of the clock; synchronise the clocks");
+    }
+    const StampGuard::Verdict verdict = stamps_.check(stamp);
+    if (verdict == StampGuard::Verdict::kStale) {
+      throw std::invalid_argument("its stamp is not later than that of the one before");
+    }
+    return verdict;
+  }
+  void reset() { stamps_.reset(); }
+
+ private:
+  StampGuard stamps_;
+};
 
 /// Orientation and position from a nav_msgs/Odometry of the base frame.
 class OdometrySource : public RotationSource {
@@ -20,12 +54,16 @@ class OdometrySource : public RotationSource {
   OdometrySource(ros::NodeHandle& handle, const std::string& base_frame, Callbacks callbacks)
       : base_frame_(base_frame), callbacks_(std::move(callbacks)) {
     subscriber_ = handle.subscribe<nav_msgs::Odometry>(
-        "rotation/odom", kQueueSize,
-        [this](const nav_msgs::OdometryConstPtr& odometry) { onOdometry(*odometry); });
+        "rotation/odom", kQueueSize, [this](const nav_msgs::OdometryConstPtr& odometry) {
+          gate_.handle(callbacks_, describe(), [&] { onOdometry(*odometry); });
+        });
   }
   std::optional<PoseSample> at(const ros::Time& stamp) override { return buffer_.at(stamp.toSec()); }
   std::optional<double> latest() const override { return buffer_.latest(); }
-  void reset() override { buffer_.clear(); }
+  void reset() override {
+    buffer_.clear();
+    gate_.reset();
+  }
   bool isAbsolute() const override { return true; }
   bool hasPosition() const override { return true; }
   std::string frame() const override { return frame_; }
@@ -40,27 +78,24 @@ class OdometrySource : public RotationSource {
     sample.rotation = Eigen::Quaterniond(q.w, q.x, q.y, q.z);
     sample.position = {p.x, p.y, p.z};
     const double norm = sample.rotation.norm();
-    if (!(std::abs(norm - 1.0) < 0.1) || !sample.position.allFinite() || odometry.header.stamp.isZero()) {
-      callbacks_.warn(describe() + ": a pose without stamp, unit quaternion or finite position is left out");
-      return;
+    if (!(std::abs(norm - 1.0) < 0.1) || !sample.position.allFinite()) {
+      throw std::invalid_argument("it has no unit quaternion or no finite position");
     }
+    if (gate_.check(odometry.header.stamp) == StampGuard::Verdict::kRestart) buffer_.clear();
     if (!odometry.child_frame_id.empty() && odometry.child_frame_id != base_frame_) {
       callbacks_.warn(describe() + ": its child frame is '" + odometry.child_frame_id + "', not '" +
                       base_frame_ + "'; its rotation is taken as that of '" + base_frame_ + "'");
     }
     sample.rotation.normalize();
     frame_ = odometry.header.frame_id;
-    const SampleOutcome outcome = buffer_.add(sample);
-    if (outcome == SampleOutcome::kReset) {
-      callbacks_.time_reset();
-      buffer_.add(sample);
-    }
-    if (outcome != SampleOutcome::kStale) callbacks_.sample();
+    buffer_.add(sample);
+    callbacks_.sample();
   }
 
   std::string base_frame_;
   std::string frame_;
   Callbacks callbacks_;
+  MessageGate gate_;
   PoseBuffer buffer_;
   ros::Subscriber subscriber_;
 };
@@ -72,13 +107,16 @@ class ImuSource : public RotationSource {
   ImuSource(ros::NodeHandle& handle, Extrinsics& extrinsics, Callbacks callbacks)
       : extrinsics_(extrinsics), callbacks_(std::move(callbacks)) {
     subscriber_ = handle.subscribe<sensor_msgs::Imu>(
-        "rotation/imu", kQueueSize, [this](const sensor_msgs::ImuConstPtr& imu) { onImu(*imu); });
+        "rotation/imu", kQueueSize, [this](const sensor_msgs::ImuConstPtr& imu) {
+          gate_.handle(callbacks_, describe(), [&] { onImu(*imu); });
+        });
   }
   std::optional<PoseSample> at(const ros::Time& stamp) override { return buffer_.at(stamp.toSec()); }
   std::optional<double> latest() const override { return buffer_.latest(); }
   void reset() override {
     buffer_.clear();
     heading_.reset();
+    gate_.reset();
   }
   bool isAbsolute() const override { return false; }
   bool hasPosition() const override { return false; }
@@ -89,24 +127,18 @@ class ImuSource : public RotationSource {
   void onImu(const sensor_msgs::Imu& imu) {
     const Eigen::Vector3d rate(imu.angular_velocity.x, imu.angular_velocity.y, imu.angular_velocity.z);
     // -1 in the first place of a covariance is how sensor_msgs/Imu says "not measured".
-    if (!rate.allFinite() || imu.header.stamp.isZero() || imu.angular_velocity_covariance[0] == -1.0) {
-      callbacks_.warn(describe() + ": a reading without stamp or angular velocity is left out");
-      return;
+    if (!rate.allFinite() || imu.angular_velocity_covariance[0] == -1.0) {
+      throw std::invalid_argument("it has no angular velocity");
     }
     std::string error;
     const std::optional<Eigen::Isometry3d> mount = extrinsics_.lookup(imu.header.frame_id, error);
-    if (!mount) {
-      callbacks_.warn(describe() + ": " + error);
-      return;
-    }
+    if (!mount) throw std::invalid_argument(error);
+    if (gate_.check(imu.header.stamp) == StampGuard::Verdict::kRestart) heading_.reset();
     const double time = imu.header.stamp.toSec();
-    const std::optional<double> previous = buffer_.latest();
-    if (previous && time <= *previous) {
-      if (*previous - time <= 1.0) return;
-      callbacks_.time_reset();
-      reset();
+    if (heading_.add(time, (mount->linear() * rate).z())) {
+      buffer_.clear();
+      callbacks_.anew();
     }
-    if (heading_.add(time, (mount->linear() * rate).z())) buffer_.clear();
     PoseSample sample;
     sample.time = time;
     sample.rotation = Eigen::AngleAxisd(heading_.yaw(), Eigen::Vector3d::UnitZ());
@@ -116,6 +148,7 @@ class ImuSource : public RotationSource {
 
   Extrinsics& extrinsics_;
   Callbacks callbacks_;
+  MessageGate gate_;
   PoseBuffer buffer_;
   YawIntegrator heading_;
   ros::Subscriber subscriber_;
@@ -133,7 +166,7 @@ class TfSource : public RotationSource {
           extrinsics_.buffer().lookupTransform(fixed_frame_, extrinsics_.baseFrame(), stamp).transform);
       latest_ = stamp.toSec();
       return PoseSample{stamp.toSec(), Eigen::Quaterniond(pose.linear()), pose.translation()};
-    } catch (const tf2::TransformException&) {
+    } catch (const std::exception&) {
       return std::nullopt;
     }
   }

@@ -19,8 +19,9 @@ class RotationSource {
  public:
   /// Told about the source by the one who uses it.
   struct Callbacks {
-    std::function<void()> sample;      ///< a new sample is there
-    std::function<void()> time_reset;  ///< the source's time went back
+    std::function<void()> arrival;  ///< a message came, before it is looked at
+    std::function<void()> sample;   ///< a new sample is there
+    std::function<void()> anew;     ///< rotations from here on do not compare with those before
     std::function<void(const std::string&)> warn;
   };
 

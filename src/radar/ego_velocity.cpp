@@ -6,119 +6,12 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <stdexcept>
 
 #include "constraint_system.h"
+#include "model_axes.h"
 #include "segmentation.h"
 
 namespace radar_dot {
-namespace {
-
-/// Where the parameters of each model stand in vx vy vz wx wy wz.
-struct ModelAxes {
-  int count;
-  std::array<int, 3> axes;
-};
-
-ModelAxes axesOf(MotionModel model) noexcept {
-  switch (model) {
-    case MotionModel::kPlanar: return {2, {0, 1, 0}};
-    case MotionModel::kPlanarYaw: return {3, {0, 1, 5}};
-    case MotionModel::kAckermann: return {2, {0, 5, 0}};
-    case MotionModel::kSpatial: return {3, {0, 1, 2}};
-  }
-  return {2, {0, 1, 0}};
-}
-
-/// Moves a solution along the free directions to the member of its family with the least sideslip
-/// and vertical velocity (and, after them, the least forward velocity and yaw rate). The returns
-/// cannot tell the members apart; a vehicle on wheels is most likely near this one.
-Parameters plausibleMember(const ModelAxes& model, const Eigen::Matrix3d& basis, int rank,
-                           const Parameters& solution) {
-  const int free = model.count - rank;
-  if (free <= 0) return solution;
-  constexpr double kLightWeight = 1e-4;
-  Eigen::Vector3d weight = Eigen::Vector3d::Zero();
-  for (int k = 0; k < model.count; ++k) {
-    const int axis = model.axes[static_cast<std::size_t>(k)];
-    weight[k] = axis == 1 || axis == 2 ? 1.0 : kLightWeight;
-  }
-  using Free = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 2>;
-  const Free directions = basis.middleCols(rank, free);
-  const Free weighted = weight.asDiagonal() * directions;
-  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2, 2> normal =
-      directions.transpose() * weighted;
-  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1> gradient = weighted.transpose() * solution;
-  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2, 1> step = normal.ldlt().solve(gradient);
-  return solution - directions * step;
-}
-
-/// The basis with small components of its free directions set to zero. A radar a centimetre beside
-/// the centre line leaves vx free by a hundredth of the yaw rate, which is no news; with the variance
-/// of a free direction it would still pass for unobserved.
-Eigen::Matrix3d withoutTraces(Eigen::Matrix3d basis, int rank, int parameters) {
-  constexpr double kTrace = 0.02;
-  for (int k = rank; k < parameters; ++k) {
-    for (int i = 0; i < parameters; ++i) {
-      if (std::abs(basis(i, k)) < kTrace) basis(i, k) = 0.0;
-    }
-  }
-  return basis;
-}
-
-void requireParameter(bool condition, const char* message) {
-  if (!condition) throw std::invalid_argument(message);
-}
-
-void validate(const EgoVelocityParams& p) {
-  requireParameter(p.ransac_iterations >= 1, "ransac_iterations must be at least 1");
-  requireParameter(p.inlier_threshold > 0.0, "inlier_threshold must be positive (m/s)");
-  requireParameter(p.robust_iterations >= 1, "robust_iterations must be at least 1");
-  requireParameter(p.doppler_std > 0.0, "doppler_std must be positive (m/s)");
-  requireParameter(p.azimuth_std >= 0.0, "azimuth_std must not be negative (rad)");
-  requireParameter(p.scan_std >= 0.0, "scan_std must not be negative (m/s)");
-  requireParameter(p.min_returns >= 3, "min_returns must be at least 3");
-  requireParameter(p.min_inlier_share >= 0.0 && p.min_inlier_share <= 1.0,
-                   "min_inlier_share must lie in 0..1");
-  requireParameter(p.max_condition_number > 1.0, "max_condition_number must be above 1");
-  requireParameter(p.sideslip_std > 0.0, "sideslip_std must be positive (m/s)");
-  requireParameter(p.unobserved_variance > 0.0, "unobserved_variance must be positive");
-  const SegmentationParams& s = p.segmentation;
-  requireParameter(s.threshold > 0.0, "segmentation threshold must be positive (m/s)");
-  requireParameter(s.isolated_threshold > 0.0 && s.supported_threshold > 0.0,
-                   "isolated_threshold and supported_threshold must be positive (m/s)");
-  requireParameter(s.neighbour_distance >= 0.0 && s.neighbour_velocity >= 0.0,
-                   "neighbour_distance and neighbour_velocity must not be negative");
-}
-
-}  // namespace
-
-std::string_view toString(Solver solver) noexcept {
-  switch (solver) {
-    case Solver::kLeastSquares: return "least_squares";
-    case Solver::kRansac: return "ransac";
-    case Solver::kRansacRobust: return "ransac_robust";
-  }
-  return "unknown";
-}
-
-Solver solverFromString(std::string_view name) {
-  for (const Solver solver : {Solver::kLeastSquares, Solver::kRansac, Solver::kRansacRobust}) {
-    if (name == toString(solver)) return solver;
-  }
-  throw std::invalid_argument("solver '" + std::string(name) +
-                              "' is not one of least_squares, ransac, ransac_robust");
-}
-
-std::string_view toString(EstimateStatus status) noexcept {
-  switch (status) {
-    case EstimateStatus::kOk: return "ok";
-    case EstimateStatus::kTooFewReturns: return "too few returns";
-    case EstimateStatus::kDegenerateBearings: return "degenerate bearings";
-    case EstimateStatus::kNoConsensus: return "no consensus";
-  }
-  return "unknown";
-}
 
 /// The stages of one estimate, and the memory they keep.
 struct EgoVelocityEstimator::Workspace {

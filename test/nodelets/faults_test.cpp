@@ -6,8 +6,11 @@
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
+#include <rosgraph_msgs/Log.h>
+#include <sensor_msgs/Imu.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -155,6 +158,7 @@ TEST_F(FaultsTest, BadCloudsAreRefusedWithTheirCause) {
   struct Kind {
     std::string cause;
     Fault fault;
+    int level = DiagnosticStatus::ERROR;
   };
   const std::vector<Kind> kinds = {
       {"'vx'",
@@ -192,6 +196,22 @@ TEST_F(FaultsTest, BadCloudsAreRefusedWithTheirCause) {
          c.header.stamp += ros::Duration(3600.0);
          return true;
        }},
+      {"ahead of the clock",
+       [](PointCloud2& c) {
+         c.header.stamp = ros::Time(4'294'967'000U, 0);  // differences of ros::Time overflow
+         return true;
+       }},
+      {"not later",
+       [](PointCloud2& c) {
+         c.header.stamp = ros::Time(5.0);
+         return true;
+       }},
+      {"outside the window",
+       [](PointCloud2& c) {
+         c.header.stamp -= ros::Duration(0.3);
+         return true;
+       },
+       DiagnosticStatus::WARN},
       {"does not fit",
        [](PointCloud2& c) {
          c.fields[0].offset = 4'000'000'000U;
@@ -210,7 +230,7 @@ TEST_F(FaultsTest, BadCloudsAreRefusedWithTheirCause) {
     expectTwistsGoOn();
     for (std::size_t i = 0; i < victims.size(); ++i) {
       const std::string name = "ego_velocity: radar " + victims[i].second;
-      EXPECT_TRUE(diagnosed(name, DiagnosticStatus::ERROR, kinds[first + i].cause))
+      EXPECT_TRUE(diagnosed(name, kinds[first + i].level, kinds[first + i].cause))
           << "expected '" << kinds[first + i].cause << "', but " << heard(name);
     }
   }
@@ -316,6 +336,149 @@ TEST_F(FaultsTest, MissingRadarsAndSilentSourcesAreReported) {
       << heard("odometry_imu: rotation");
   const Recorder<nav_msgs::Odometry> odometry(handle_, "imu/odom");
   EXPECT_TRUE(waitUntil([&] { return odometry.count() > 5; }, 3.0)) << "the yaw rate of the radars steps in";
+}
+
+// Publishes the rotation of the steady turn at 50 Hz, as an IMU and as an odometry.
+class LiveRotation {
+ public:
+  explicit LiveRotation(ros::NodeHandle& handle)
+      : imu_(handle.advertise<sensor_msgs::Imu>("test/imu", 10)),
+        odometry_(handle.advertise<nav_msgs::Odometry>("test/odom", 10)),
+        thread_([this] { run(); }) {}
+  ~LiveRotation() {
+    stop_ = true;
+    thread_.join();
+  }
+  void publish(const ros::Time& stamp) {
+    sensor_msgs::Imu imu;
+    imu.header.stamp = stamp;
+    imu.header.frame_id = "base_link";
+    imu.angular_velocity.z = 0.1;
+    imu_.publish(imu);
+    nav_msgs::Odometry odometry;
+    odometry.header.stamp = stamp;
+    odometry.header.frame_id = "map";
+    odometry.child_frame_id = "base_link";
+    const double yaw = 0.1 * (stamp - start_).toSec();
+    odometry.pose.pose.orientation.w = std::cos(0.5 * yaw);
+    odometry.pose.pose.orientation.z = std::sin(0.5 * yaw);
+    odometry_.publish(odometry);
+  }
+  /// The same with a stamp that no difference of ros::Time survives.
+  void publishTheLastStampThereIs() {
+    sensor_msgs::Imu imu;
+    imu.header.stamp = ros::Time(4'294'967'000U, 0);
+    imu.header.frame_id = "base_link";
+    imu_.publish(imu);
+    nav_msgs::Odometry odometry;
+    odometry.header.stamp = imu.header.stamp;
+    odometry.pose.pose.orientation.w = 1.0;
+    odometry_.publish(odometry);
+  }
+
+ private:
+  void run() {
+    for (ros::WallRate rate(50.0); !stop_ && ros::ok(); rate.sleep()) publish(ros::Time::now());
+  }
+  ros::Time start_ = ros::Time::now();
+  ros::Publisher imu_, odometry_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+// Largest step between two poses, m.
+double largestStep(const std::vector<nav_msgs::OdometryConstPtr>& poses, std::size_t from) {
+  double largest = 0.0;
+  for (std::size_t i = std::max<std::size_t>(from, 1); i < poses.size(); ++i) {
+    const auto &a = poses[i - 1]->pose.pose.position, &b = poses[i]->pose.pose.position;
+    largest = std::max(largest, std::hypot(a.x - b.x, a.y - b.y));
+  }
+  return largest;
+}
+
+TEST_F(FaultsTest, WrongStampsResetNothingAndEndNobody) {
+  const Recorder<nav_msgs::Odometry> gyro(handle_, "gyro/odom"), aided(handle_, "aided/odom");
+  const Recorder<rosgraph_msgs::Log> log(handle_, "/rosout");
+  ros::Publisher twists = handle_.advertise<TwistWithCovarianceStamped>("ego/twist", 10);
+  LiveRotation rotation(handle_);
+  ASSERT_TRUE(waitUntil([&] { return gyro.count() > 60 && aided.count() > 60; }, 15.0));
+  const std::size_t gyro_before = gyro.count(), aided_before = aided.count();
+  const auto isReset = [](const rosgraph_msgs::LogConstPtr& line) {
+    return line->msg.find("starting anew") != std::string::npos;
+  };
+  const auto resets = [&] {
+    const auto lines = log.messages();
+    return std::count_if(lines.begin(), lines.end(), isReset);
+  };
+  const auto resets_before = resets();
+
+  TwistWithCovarianceStamped twist;
+  twist.header.frame_id = "base_link";
+  twist.twist.twist.linear.x = 8.0;
+  for (const double lead : {2.0, 100.0, -5.0}) {
+    const ros::Time stamp = ros::Time::now() + ros::Duration(lead);
+    rotation.publish(stamp);
+    twist.header.stamp = stamp;
+    twists.publish(twist);
+    radars_.set(kFront, [stamp, done = std::make_shared<bool>(false)](PointCloud2& cloud) {
+      if (!*done) cloud.header.stamp = stamp;
+      *done = true;
+      return true;
+    });
+    ros::WallDuration(0.5).sleep();
+  }
+  radars_.set(kFront, none);
+  rotation.publishTheLastStampThereIs();
+  twist.header.stamp = ros::Time(4'294'967'000U, 0);
+  twists.publish(twist);
+  ros::WallDuration(0.5).sleep();
+
+  expectTwistsGoOn();
+  EXPECT_GT(gyro.count(), gyro_before + 20);
+  EXPECT_GT(aided.count(), aided_before + 20);
+  EXPECT_LT(largestStep(gyro.messages(), gyro_before), 3.0) << "8 m/s";
+  EXPECT_LT(largestStep(aided.messages(), aided_before), 3.0);
+  EXPECT_EQ(resets(), resets_before);
+  EXPECT_GT(log.count(), 0U) << "the refusals are logged";
+}
+
+TEST_F(FaultsTest, OneBadValueTakesNothingWithIt) {
+  const Recorder<TwistWithCovarianceStamped> misspelt(handle_, "misspelt/ego/twist");
+  ASSERT_TRUE(waitUntil([&] { return misspelt.count() > 5; }, 5.0));
+  EXPECT_NEAR(misspelt.messages().back()->twist.twist.linear.x, -8.0, 0.1) << "its doppler_scale counts";
+  EXPECT_TRUE(diagnosed("misspelt: configuration", DiagnosticStatus::ERROR, "planar_yew"))
+      << heard("misspelt: configuration");
+  dynamic_reconfigure::Reconfigure call;
+  call.request.config.strs.emplace_back();
+  call.request.config.strs.back().name = "model";
+  call.request.config.strs.back().value = "planar";
+  EXPECT_TRUE(ros::service::call("misspelt/set_parameters", call));
+  EXPECT_TRUE(diagnosed("misspelt: configuration", DiagnosticStatus::OK, "radars"))
+      << heard("misspelt: configuration");
+}
+
+TEST_F(FaultsTest, WhatIsNotObservedAloneIsIntegratedAsGiven) {
+  const Recorder<nav_msgs::Odometry> odometry(handle_, "lone/odom");
+  ros::Publisher publisher = handle_.advertise<TwistWithCovarianceStamped>("lone/twist", 10);
+  ASSERT_TRUE(waitUntil([&] { return odometry.connected() && publisher.getNumSubscribers() > 0; }, 5.0));
+  TwistWithCovarianceStamped twist;
+  twist.header.frame_id = "base_link";
+  twist.twist.twist.linear.x = 8.0;
+  twist.twist.twist.linear.z = 5.0;
+  for (const std::size_t i : {0U, 1U, 2U, 5U}) twist.twist.covariance[7 * i] = 1e6;
+  for (int i = 0; i < 20; ++i) {
+    twist.header.stamp = ros::Time::now();
+    publisher.publish(twist);
+    ros::WallDuration(0.05).sleep();
+  }
+  ASSERT_TRUE(waitUntil([&] { return odometry.count() >= 20; }, 2.0));
+  const auto poses = odometry.messages();
+  const double duration = (poses.back()->header.stamp - poses.front()->header.stamp).toSec();
+  EXPECT_NEAR(poses.back()->pose.pose.position.x, 8.0 * duration, 0.2);
+  EXPECT_NEAR(poses.back()->pose.pose.position.z, 0.0, 1e-9) << "nobody measured that it climbs";
+  EXPECT_TRUE(
+      diagnosed("odometry_lone: odometry", DiagnosticStatus::ERROR, "least sideslip assumed: vx, vy, wz"))
+      << heard("odometry_lone: odometry") << " (it is silent by now)";
 }
 
 }  // namespace

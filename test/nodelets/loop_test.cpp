@@ -5,6 +5,7 @@
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
+#include <rosgraph_msgs/Log.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
@@ -37,7 +38,7 @@ TEST(LoopTest, EachRoundOfTheBagIsLikeTheFirst) {
   const Recorder<geometry_msgs::TwistWithCovarianceStamped> twists(handle, "ego/twist");
   const Recorder<nav_msgs::Odometry> odometry(handle, "odom");
   const Recorder<tf2_msgs::TFMessage> tf(handle, "/tf");
-  const Diagnostics diagnostics(handle);
+  const Recorder<rosgraph_msgs::Log> log(handle, "/rosout");
   const SyntheticDrive drive(kDuration);
   const TemporaryFolder folder;
   const std::string bag = (folder.path() / "drive.bag").string();
@@ -71,6 +72,16 @@ TEST(LoopTest, EachRoundOfTheBagIsLikeTheFirst) {
   for (std::size_t round = 1; round < complete; ++round) {
     const double first = twist_rounds.at(round).front()->header.stamp.toSec() - SyntheticDrive::kStart;
     EXPECT_LT(first, 0.5) << "round " << round << " did not go on at once";
+  }
+  // Each nodelet says once per round that it starts anew (the last round may have come just now).
+  for (const std::string nodelet : {"/ego_velocity:", "/odometry:"}) {
+    const auto lines = log.messages();
+    const auto resets =
+        std::count_if(lines.begin(), lines.end(), [&](const rosgraph_msgs::LogConstPtr& line) {
+          return line->msg.compare(0, nodelet.size(), nodelet) == 0 &&
+                 line->msg.find("starting anew") != std::string::npos;
+        });
+    EXPECT_NEAR(static_cast<double>(resets), static_cast<double>(complete), 1.0) << nodelet;
   }
   const auto messages = tf.messages();
   EXPECT_TRUE(std::any_of(messages.begin(), messages.end(), [](const tf2_msgs::TFMessageConstPtr& message) {

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace radar_dot {
 namespace {
@@ -80,6 +82,53 @@ TEST(Parameters, NonsenseIsRefused) {
   config.min_rcs = 5.0;
   config.max_rcs = 5.0;
   EXPECT_THROW(extractionParams(config), std::invalid_argument);
+}
+
+TEST(MendedConfig, KeepsWhatIsGoodAndNamesWhatIsNot) {
+  EgoVelocityConfig config = EgoVelocityConfig::__getDefault__();
+  config.doppler_scale = -1.0;
+  config.model = "planar_yew";
+  config.solver = "magic";
+  config.pdh0_states = "many";
+  config.ambig_states = "1, 2";
+  config.min_range = 300.0;  // both are fine with the other's default, but not together
+  config.max_range = 40.0;
+  config.min_azimuth = -0.5;
+  config.max_azimuth = 0.5;
+  config.threshold = std::numeric_limits<double>::quiet_NaN();
+  const MendedConfig mended = mendedConfig(config);
+  const EgoVelocityConfig& defaults = EgoVelocityConfig::__getDefault__();
+  EXPECT_TRUE(mended.valid);
+  EXPECT_TRUE(mended.usable);
+  EXPECT_EQ(mended.config.doppler_scale, -1.0);
+  EXPECT_EQ(mended.config.ambig_states, "1, 2");
+  EXPECT_EQ(mended.config.min_azimuth, -0.5);
+  EXPECT_EQ(mended.config.max_azimuth, 0.5);
+  EXPECT_EQ(mended.config.model, defaults.model);
+  EXPECT_EQ(mended.config.solver, defaults.solver);
+  EXPECT_EQ(mended.config.pdh0_states, defaults.pdh0_states);
+  EXPECT_EQ(mended.config.min_range, defaults.min_range);
+  EXPECT_EQ(mended.config.max_range, defaults.max_range);
+  EXPECT_EQ(mended.config.threshold, defaults.threshold);
+  ASSERT_EQ(mended.problems.size(), 5U);
+  for (const char* name : {"model:", "solver:", "pdh0_states:", "min_range, max_range:", "threshold:"}) {
+    EXPECT_TRUE(std::any_of(mended.problems.begin(), mended.problems.end(), [name](const std::string& line) {
+      return line.compare(0, std::string(name).size(), name) == 0;
+    })) << name;
+  }
+}
+
+TEST(MendedConfig, GoodOnesAreUntouchedAndAScaleIsNeverGuessed) {
+  EgoVelocityConfig config = EgoVelocityConfig::__getDefault__();
+  config.seed = 7;
+  EXPECT_TRUE(mendedConfig(config).problems.empty());
+  EXPECT_EQ(mendedConfig(config).config.seed, 7);
+  for (const double scale : {0.0, std::numeric_limits<double>::quiet_NaN()}) {
+    config.doppler_scale = scale;
+    EXPECT_FALSE(mendedConfig(config).usable) << "1 may be the wrong sign";
+    EXPECT_EQ(mendedConfig(config).problems.size(), 1U);
+    EXPECT_EQ(mendedConfig(config).config.seed, 7);
+  }
 }
 
 TEST(Parameters, LimitsInsideTheirRangesAreKept) {

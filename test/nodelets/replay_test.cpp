@@ -168,6 +168,7 @@ TEST_F(ReplayTest, StaticAndDynamicPartitionTheAcceptedReturns) {
         EXPECT_EQ(cloud.fields[k].datatype, scan.fields[k].datatype);
       }
       ASSERT_EQ(cloud.data.size(), cloud.point_step * cloud.width);
+      const auto scale = static_cast<float>(ros::param::param("ego_velocity/doppler_scale", 1.0));
       for (std::size_t i = 0; i < cloud.width; ++i) {
         const int id = idAt(cloud, i);
         ASSERT_TRUE(seen.insert(id).second) << "return " << id << " appears twice";
@@ -178,7 +179,7 @@ TEST_F(ReplayTest, StaticAndDynamicPartitionTheAcceptedReturns) {
             << "return " << id << " was changed";
         const float x = floatAt(scan, source, "x"), y = floatAt(scan, source, "y");
         const float doppler =
-            (x * floatAt(scan, source, "vx") + y * floatAt(scan, source, "vy")) / std::hypot(x, y);
+            scale * (x * floatAt(scan, source, "vx") + y * floatAt(scan, source, "vy")) / std::hypot(x, y);
         EXPECT_NEAR(floatAt(cloud, i, "doppler"), doppler, 1e-4F);
         if (secondsOf(key.second) < kSettled) continue;
         EXPECT_EQ(moving, isMoving(id)) << "return " << id << " at " << secondsOf(key.second) << " s";

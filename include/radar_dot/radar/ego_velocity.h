@@ -72,6 +72,9 @@ struct EgoVelocityParams {
   SegmentationParams segmentation;
 };
 
+/// @throws std::invalid_argument naming the parameter that makes no sense.
+void validate(const EgoVelocityParams& params);
+
 /// One scan of one radar, ready for the estimator. The returns stay with the caller.
 struct RadarScan {
   const std::vector<DopplerReturn>* returns = nullptr;
