@@ -48,6 +48,24 @@ EgoVelocityParams variantParams(EgoVelocityParams params, const std::string& var
   return params;
 }
 
+/// Time between two consecutive keyframes, s.
+struct Interval {
+  double begin = 0.0;
+  double end = 0.0;
+  double middle() const { return 0.5 * (begin + end); }
+  double half() const { return 0.5 * (end - begin); }
+};
+
+/// The intervals of the scene whose true displacement is known.
+std::vector<Interval> intervalsOf(const RadarScene& scene) {
+  std::vector<Interval> intervals;
+  for (std::size_t i = 0; i + 1 < scene.keyframe_times.size(); ++i) {
+    const Interval interval{scene.keyframe_times[i], scene.keyframe_times[i + 1]};
+    if (scene.truth.covers(interval.begin) && scene.truth.covers(interval.end)) intervals.push_back(interval);
+  }
+  return intervals;
+}
+
 /// Wheel speed at `time` and its mean over an interval, m/s.
 class WheelSpeed {
  public:
@@ -165,19 +183,16 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
   }
   const WheelSpeed wheels(scene.wheels);
 
-  for (std::size_t pair = 0; pair + 1 < scene.keyframe_times.size(); ++pair) {
-    const double t0 = scene.keyframe_times[pair];
-    const double t1 = scene.keyframe_times[pair + 1];
-    if (!scene.truth.covers(t0) || !scene.truth.covers(t1)) continue;
-    const double middle = 0.5 * (t0 + t1);
+  for (const Interval& interval : intervalsOf(scene)) {
+    const double middle = interval.middle();
     std::vector<RadarScan> scans;
     for (const LoadedRadar& radar : scene.radars) {
-      const auto nearest = nearestScan(radar, middle, 0.5 * (t1 - t0));
+      const auto nearest = nearestScan(radar, middle, interval.half());
       if (nearest) scans.push_back(radar.scan(*nearest));
     }
     const Eigen::Vector3d acceleration = accelerationAt(velocities, middle);
-    const Eigen::Vector3d truth = scene.truth.meanVelocity(t0, t1);
-    const double true_yaw_rate = scene.truth.meanYawRate(t0, t1);
+    const Eigen::Vector3d truth = scene.truth.meanVelocity(interval.begin, interval.end);
+    const double true_yaw_rate = scene.truth.meanYawRate(interval.begin, interval.end);
 
     ++report.frames;
     for (auto& [name, estimator] : variants) {
@@ -198,7 +213,7 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
       addErrors(result, truth, true_yaw_rate, errors);
       if (model == MotionModel::kPlanarYaw) {
         const auto now = wheels.at(middle);
-        const auto mean = wheels.mean(t0, t1);
+        const auto mean = wheels.mean(interval.begin, interval.end);
         if (now && mean) {
           report.wheel_estimate.add(std::abs(result.linear.x() - *now));
           report.wheel_ground_truth.add(std::abs(truth.x() - *mean));
@@ -211,18 +226,17 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
 /// Yaw error of every mount from its scans nearest to the middle of each pair of keyframes.
 void evaluateMounts(const RadarScene& scene, const VelocityEvaluationOptions& options,
                     VelocityReport& report) {
+  const std::vector<Interval> intervals = intervalsOf(scene);
   const double static_limit = options.estimator.segmentation.threshold;
   for (const LoadedRadar& radar : scene.radars) {
     MountError& error = report.mounts[radar.channel];
     const Eigen::Matrix3d R_base_from_sensor = radar.T_base_from_sensor.linear();
-    for (std::size_t pair = 0; pair + 1 < scene.keyframe_times.size(); ++pair) {
-      const double t0 = scene.keyframe_times[pair];
-      const double t1 = scene.keyframe_times[pair + 1];
-      const auto nearest = nearestScan(radar, 0.5 * (t0 + t1), 0.5 * (t1 - t0));
-      if (!nearest || !scene.truth.covers(t0) || !scene.truth.covers(t1)) continue;
-      const Eigen::Vector3d angular(0.0, 0.0, scene.truth.meanYawRate(t0, t1));
-      const Eigen::Vector3d velocity =
-          scene.truth.meanVelocity(t0, t1) + angular.cross(radar.T_base_from_sensor.translation());
+    for (const Interval& interval : intervals) {
+      const auto nearest = nearestScan(radar, interval.middle(), interval.half());
+      if (!nearest) continue;
+      const Eigen::Vector3d angular(0.0, 0.0, scene.truth.meanYawRate(interval.begin, interval.end));
+      const Eigen::Vector3d velocity = scene.truth.meanVelocity(interval.begin, interval.end) +
+                                       angular.cross(radar.T_base_from_sensor.translation());
       for (const DopplerReturn& measured : radar.scans[*nearest].returns) {
         const Eigen::Vector3d bearing = R_base_from_sensor * measured.bearing.cast<double>();
         const double residual = static_cast<double>(measured.doppler) + bearing.dot(velocity);

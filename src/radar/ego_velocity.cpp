@@ -50,6 +50,8 @@ struct EgoVelocityEstimator::Workspace {
   void finish(const EgoVelocityParams& params, const Observability& observability, const Parameters& reduced);
   Eigen::Matrix3d reducedCovariance(const EgoVelocityParams& params, double threshold, double widening);
   void label(const EgoVelocityParams& params);
+  /// Nothing is known: zero velocity, every axis with unobserved_variance.
+  void clearVelocity(const EgoVelocityParams& params);
   void refuse(const EgoVelocityParams& params, EstimateStatus status);
 
   static void gather(const ConstraintSystem& from, const std::vector<std::size_t>& which,
@@ -244,7 +246,6 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
   const Parameters solution = plausibleMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
   const Eigen::Matrix3d covariance = basis * reduced_covariance * basis.transpose();
 
-  result.covariance = Eigen::Matrix<double, 6, 6>::Identity() * params.unobserved_variance;
   if (params.model == MotionModel::kAckermann)
     result.covariance(1, 1) = params.sideslip_std * params.sideslip_std;
   result.fully_observed = rank == model.count;
@@ -301,13 +302,17 @@ void EgoVelocityEstimator::Workspace::refuse(const EgoVelocityParams& params, Es
                                   result.inlier_count, result.return_count, inlierThreshold(params));
       break;
   }
+  clearVelocity(params);
+  result.residuals.clear();
+  result.labels.clear();
+}
+
+void EgoVelocityEstimator::Workspace::clearVelocity(const EgoVelocityParams& params) {
   result.linear.setZero();
   result.angular.setZero();
   result.covariance = Eigen::Matrix<double, 6, 6>::Identity() * params.unobserved_variance;
   result.observed.fill(false);
   result.fully_observed = false;
-  result.residuals.clear();
-  result.labels.clear();
 }
 
 EgoVelocityEstimator::EgoVelocityEstimator(EgoVelocityParams params)
@@ -325,10 +330,7 @@ const EgoVelocityResult& EgoVelocityEstimator::estimate(const std::vector<RadarS
   EgoVelocityResult& result = w.result;
   result.status = EstimateStatus::kOk;
   result.reason.clear();
-  result.linear.setZero();
-  result.angular.setZero();
-  result.observed.fill(false);
-  result.fully_observed = false;
+  w.clearVelocity(params_);
   result.condition_number = result.rms = 0.0;
   result.return_count = result.inlier_count = result.dynamic_count = 0;
 

@@ -117,7 +117,7 @@ struct EgoVelocityResult {
   /// For each axis (vx vy vz wx wy wz): estimated by the model and constrained by the returns.
   std::array<bool, 6> observed{};
   bool fully_observed = false;    ///< every parameter of the motion model is observed
-  double condition_number = 0.0;  ///< of the weighted design matrix
+  double condition_number = 0.0;  ///< of the design matrix; infinite when a direction is free
   double rms = 0.0;               ///< m/s, of the inliers' residuals
   std::size_t return_count = 0;   ///< accepted returns that took part
   std::size_t inlier_count = 0;   ///< of them, consistent with the estimate
