@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
+#include "mask_box.h"
 #include "radar_dot/dataset/instance_masks.h"
 
 // COCO's text is a row of signed numbers in groups of five bits, least significant group first: bit
@@ -100,18 +101,28 @@ cv::Mat decodeMask(const RunLengthMask& mask) {
 RunLengthMask encodeMask(const cv::Mat& mask) {
   if (mask.type() != CV_8UC1) throw std::invalid_argument("a mask must be a CV_8UC1 image");
   RunLengthMask result{mask.rows, mask.cols, {}};
-  const cv::Mat transposed = mask.t();
+  std::size_t run_start = 0;
   bool inside = false;
-  std::uint32_t run = 0;
-  for (const std::uint8_t* pixel = transposed.data; pixel != transposed.data + transposed.total(); ++pixel) {
-    if ((*pixel != 0) != inside) {
-      result.counts.push_back(run);
-      inside = !inside;
-      run = 0;
-    }
-    ++run;
+  const auto continueWith = [&](bool is_set, std::size_t position) {
+    if (is_set == inside) return;
+    result.counts.push_back(static_cast<std::uint32_t>(position - run_start));
+    run_start = position;
+    inside = is_set;
+  };
+  // Most masks are small: only the box around them is looked at pixel by pixel.
+  const cv::Rect box = boundingBox(mask);
+  const cv::Mat transposed = box.empty() ? cv::Mat() : cv::Mat(mask(box).t());
+  const auto rows = static_cast<std::size_t>(mask.rows);
+  for (int column = 0; column < box.width; ++column) {
+    const std::size_t top = static_cast<std::size_t>(box.x + column) * rows;
+    if (box.y > 0) continueWith(false, top);
+    std::size_t position = top + static_cast<std::size_t>(box.y);
+    const std::uint8_t* pixels = transposed.ptr<std::uint8_t>(column);
+    for (int row = 0; row < box.height; ++row, ++position) continueWith(pixels[row] != 0, position);
+    if (position < top + rows) continueWith(false, position);
   }
-  if (run != 0) result.counts.push_back(run);
+  if (box.br().x < mask.cols) continueWith(false, static_cast<std::size_t>(box.br().x) * rows);
+  if (run_start < mask.total()) result.counts.push_back(static_cast<std::uint32_t>(mask.total() - run_start));
   return result;
 }
 

@@ -57,4 +57,9 @@ struct CanBus {
 /// @throws DatasetError naming file, record and field.
 CanBus readCanBus(const std::filesystem::path& dataroot, std::string_view scene);
 
+/// Writes dataroot/can_bus/<scene>_*.json, the inverse of readCanBus; the folder must exist. A part without
+/// messages gets no file.
+/// @throws DatasetError naming a file that cannot be written.
+void writeCanBus(const std::filesystem::path& dataroot, std::string_view scene, const CanBus& can_bus);
+
 }  // namespace radar_dot::dataset
