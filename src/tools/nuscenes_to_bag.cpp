@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <map>
-#include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,6 +16,7 @@
 #include "radar_dot/bag/scene_converter.h"
 #include "radar_dot/dataset/instance_masks.h"
 #include "radar_dot/dataset/tables.h"
+#include "signal_watch.h"
 
 namespace {
 
@@ -30,10 +28,11 @@ using radar_dot::dataset::Index;
 using radar_dot::dataset::InstanceMask;
 using radar_dot::dataset::LoadOptions;
 using radar_dot::dataset::Tables;
+using radar_dot::tools::Interrupted;
+using radar_dot::tools::SignalWatch;
 
 constexpr int kFailure = 1;
 constexpr int kUsage = 2;
-constexpr int kSignalBase = 128;  // what a shell reports for a program ended by a signal
 
 struct Arguments {
   std::string dataroot;
@@ -45,41 +44,6 @@ struct Arguments {
   bool force = false;
   bool no_masks = false;
   bool quiet = false;
-};
-
-struct Interrupted : std::runtime_error {
-  explicit Interrupted(int number) : std::runtime_error("interrupted"), signal(number) {}
-  int signal;
-};
-
-/// The signal that came last. A handler can reach nothing but a global; blocking the signals instead
-/// would not do, because libraries start threads of their own, where they would still end the process.
-volatile std::sig_atomic_t signal_received = 0;
-
-/// Only notes SIGINT, SIGTERM and SIGHUP while it lives, so that a conversion can be ended where it
-/// cleans up after itself.
-class SignalWatch {
- public:
-  SignalWatch() {
-    struct sigaction action {};
-    action.sa_handler = [](int number) { signal_received = number; };
-    action.sa_flags = SA_RESTART;
-    for (std::size_t i = 0; i < kWatched.size(); ++i) sigaction(kWatched[i], &action, &before_[i]);
-  }
-  ~SignalWatch() {
-    for (std::size_t i = 0; i < kWatched.size(); ++i) sigaction(kWatched[i], &before_[i], nullptr);
-  }
-  SignalWatch(const SignalWatch&) = delete;
-  SignalWatch& operator=(const SignalWatch&) = delete;
-
-  /// @throws Interrupted when one of the signals has come.
-  void check() const {
-    if (signal_received != 0) throw Interrupted(signal_received);
-  }
-
- private:
-  static constexpr std::array<int, 3> kWatched = {SIGINT, SIGTERM, SIGHUP};
-  std::array<struct sigaction, 3> before_{};
 };
 
 void addOptions(CLI::App& app, Arguments& arguments) {
@@ -184,7 +148,7 @@ int main(int argc, char** argv) {
     run(arguments);
   } catch (const Interrupted& interrupt) {
     std::fputs("nuscenes_to_bag: interrupted; the scene it was at has no bag\n", stderr);
-    return kSignalBase + interrupt.signal;
+    return radar_dot::tools::kSignalBase + interrupt.signal;
   } catch (const std::exception& error) {
     std::fputs(fmt::format("nuscenes_to_bag: {}\n", error.what()).c_str(), stderr);
     return kFailure;
