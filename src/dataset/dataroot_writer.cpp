@@ -18,6 +18,7 @@
 #include "json_table_writer.h"
 #include "new_token.h"
 #include "radar_dot/dataset/tables.h"
+#include "radar_dot/dataset/write_bytes.h"
 #include "scene_checks.h"
 #include "scene_rows.h"
 #include "staged_folder.h"
@@ -167,9 +168,7 @@ class DatarootWriter::Content {
           .set("token", token)
           .set("filename", filename)
           .set("log_tokens", log_tokens);
-      OutputFile placeholder(folder_.path() / filename);
-      placeholder.write({reinterpret_cast<const char*>(kPlaceholderMap), sizeof kPlaceholderMap});
-      placeholder.close();
+      writeBytes(folder_.path() / filename, kPlaceholderMap, sizeof kPlaceholderMap);
     }
     table.finish();
   }

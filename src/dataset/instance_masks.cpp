@@ -180,10 +180,14 @@ cv::Mat decodeMask(const InstanceMask& instance) {
   return canvas;
 }
 
+bool isMovingAttribute(std::string_view name) noexcept {
+  return endsWith(name, ".moving") || name == "cycle.with_rider";
+}
+
 bool isMoving(const Tables& tables, const InstanceMask& instance) {
   return std::any_of(tables.attributes.begin(), tables.attributes.end(), [&](const Attribute& attribute) {
     const auto& tokens = instance.attribute_tokens;
-    return (endsWith(attribute.name, ".moving") || attribute.name == "cycle.with_rider") &&
+    return isMovingAttribute(attribute.name) &&
            std::find(tokens.begin(), tokens.end(), attribute.token) != tokens.end();
   });
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pose_arrays.h"
 #include "radar_dot/simulation/camera_sensor.h"
 #include "radar_dot/simulation/random_stream.h"
 
@@ -98,15 +99,13 @@ std::vector<dataset::NewAnnotation> annotate(const World& world, const Trajector
     const bool is_near = (body.translation() - here).norm() <= kFarthest;
     const bool has_returns = found.lidar[number] + found.radar[number] > 0;
     if (!(is_near && has_returns) && found.masks[number] == 0) continue;
-    const Eigen::Vector3d centre = centreOf(actor, body);
-    const Eigen::Quaterniond rotation(body.linear());
     const Eigen::Vector3d& size = actor.model->size;
     dataset::NewAnnotation annotation;
     annotation.sample = sample;
     annotation.instance = number;
-    annotation.translation = {centre.x(), centre.y(), centre.z()};
+    annotation.translation = asArray(centreOf(actor, body));
     annotation.size = {size.y(), size.x(), size.z()};
-    annotation.rotation = {rotation.w(), rotation.x(), rotation.y(), rotation.z()};
+    annotation.rotation = quaternionOf(body);
     const std::string attribute = attributeOf(actor, time_s);
     if (!attribute.empty()) annotation.attributes.push_back(attribute);
     annotation.visibility = visibilityLevel(visible_shares[number]);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pose_arrays.h"
 #include "radar_dot/simulation/random_stream.h"
 
 namespace radar_dot::simulation {
@@ -33,13 +34,6 @@ Motion motionAt(const Trajectory& ego, double time_s) {
   motion.acceleration = R_base_from_map * (acceleration + kGravity * Eigen::Vector3d::UnitZ());
   motion.rotation_rate = R_base_from_map * ego.angularVelocity(time_s);
   return motion;
-}
-
-std::array<double, 3> asArray(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-std::array<double, 4> orientationOf(const Eigen::Isometry3d& pose) {
-  const Eigen::Quaterniond q(pose.linear());
-  return {q.w(), q.x(), q.y(), q.z()};
 }
 
 class NoisyChassis {
@@ -86,7 +80,7 @@ dataset::CanBus simulateCanBus(const Trajectory& ego, double begin_s, double end
     const double time_s = begin_s + i * kPosePeriod;
     const Motion motion = motionAt(ego, time_s);
     can_bus.poses.push_back({stamp(time_s), asArray(motion.T_map_from_base.translation()),
-                             orientationOf(motion.T_map_from_base), asArray(motion.velocity),
+                             quaternionOf(motion.T_map_from_base), asArray(motion.velocity),
                              chassis.noisy(motion.acceleration, model.acceleration_noise),
                              chassis.noisy(motion.rotation_rate, model.rotation_noise)});
   }
@@ -94,7 +88,7 @@ dataset::CanBus simulateCanBus(const Trajectory& ego, double begin_s, double end
     const double time_s = begin_s + i * kChassisPeriod;
     const Motion motion = motionAt(ego, time_s);
     can_bus.imu.push_back({stamp(time_s), chassis.noisy(motion.acceleration, model.acceleration_noise),
-                           orientationOf(motion.T_map_from_base),
+                           quaternionOf(motion.T_map_from_base),
                            chassis.noisy(motion.rotation_rate, model.rotation_noise)});
     can_bus.vehicle.push_back(chassis.vehicleInfo(motion, ego.at(time_s).steering_angle, stamp(time_s)));
   }

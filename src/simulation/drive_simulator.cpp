@@ -15,6 +15,7 @@
 
 #include "annotations.h"
 #include "drive_plan.h"
+#include "pose_arrays.h"
 #include "radar_dot/dataset/dataroot_writer.h"
 #include "radar_dot/dataset/point_files.h"
 #include "radar_dot/dataset/write_bytes.h"
@@ -43,13 +44,6 @@ void storeImage(const fs::path& file, const char* extension, const cv::Mat& imag
   std::vector<std::uint8_t> bytes;
   cv::imencode(extension, image, bytes, options);
   dataset::writeBytes(file, bytes.data(), bytes.size());
-}
-
-std::array<double, 3> asArray(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-std::array<double, 4> rotationOf(const Eigen::Isometry3d& pose) {
-  const Eigen::Quaterniond q(pose.linear());
-  return {q.w(), q.x(), q.y(), q.z()};
 }
 
 /// One scene in the making. The work on its readings is independent of each other.
@@ -106,7 +100,7 @@ class Drive {
       row.channel = sensor.mount.channel;
       row.modality = modalityOf(sensor.kind);
       row.translation = asArray(sensor.mount.T_base_from_sensor.translation());
-      row.rotation = rotationOf(sensor.mount.T_base_from_sensor);
+      row.rotation = quaternionOf(sensor.mount.T_base_from_sensor);
       if (sensor.kind == SensorKind::kCamera) {
         const Eigen::Matrix3d matrix =
             scaledCameraMatrix(cameraMounts()[sensor.number], options_.width, options_.height);
@@ -132,7 +126,7 @@ class Drive {
         reading.width = options_.width;
         reading.height = options_.height;
       }
-      reading.ego_pose = {asArray(pose.translation()), rotationOf(pose)};
+      reading.ego_pose = {asArray(pose.translation()), quaternionOf(pose)};
       scene_.readings.push_back(std::move(reading));
     }
     // In the order of time, so that the time left can be told from the time passed.
@@ -152,11 +146,10 @@ class Drive {
     for (const char* kind : {"samples", "sweeps"})
       for (const DriveSensor& sensor : plan_.sensors)
         fs::create_directories(folder_ / kind / sensor.mount.channel);
-    const bool has_front =
-        std::find(options_.cameras.begin(), options_.cameras.end(), "CAM_FRONT") != options_.cameras.end();
     if (options_.ground_truth == GroundTruth::kNone) return;
     fs::create_directories(folder_ / "ground_truth");
-    if (!has_front) return;
+    const auto& cameras = options_.cameras;
+    if (std::find(cameras.begin(), cameras.end(), "CAM_FRONT") == cameras.end()) return;
     for (const char* kind :
          {"depth", "flow", "occlusion", "keyframe_flow", "keyframe_occlusion", "instance", "motion"})
       fs::create_directories(folder_ / "ground_truth" / kind);
@@ -179,15 +172,10 @@ class Drive {
                 std::uint64_t stream) {
     const auto returns = simulateRadarScan(snapshot, plan_.sensors[reading.sensor].mount, *scenario_.ego,
                                            options_.seed, stream);
-    std::vector<dataset::RadarRecord> records;
-    for (const RadarReturn& r : returns) {
-      records.push_back({r.x, r.y, r.z, r.dyn_prop, r.id, r.rcs, r.vx, r.vy, r.vx_comp, r.vy_comp,
-                         r.is_quality_valid, r.ambig_state, r.x_rms, r.y_rms, r.invalid_state, r.pdh0,
-                         r.vx_rms, r.vy_rms});
+    for (const RadarReturn& r : returns)
       if (reading.is_key_frame && r.object >= 0)
         count(reading.sample, snapshot.objects()[static_cast<std::size_t>(r.object)].actor, &Findings::radar);
-    }
-    dataset::writeRadarPcd(file, records);
+    dataset::writeRadarPcd(file, {returns.begin(), returns.end()});
   }
 
   void takeSweep(const PlannedReading& reading, const Snapshot& snapshot, const fs::path& file,
@@ -243,9 +231,10 @@ class Drive {
       storeTruth(prefix + "flow", reading, encodeFlow(truth.flow));
       storeTruth(prefix + "occlusion", reading, truth.occlusion);
     };
-    if (options_.frames != CameraFrames::kPairs || reading.is_key_frame) {
-      if (reading.next_us >= 0 && options_.frames != CameraFrames::kKeyframes) storeFlow(reading.next_us, "");
-    }
+    // In pairs only a keyframe's successor is the next image of the camera.
+    const bool next_follows = options_.frames == CameraFrames::kAll ||
+                              (options_.frames == CameraFrames::kPairs && reading.is_key_frame);
+    if (next_follows && reading.next_us >= 0) storeFlow(reading.next_us, "");
     if (reading.is_key_frame) {
       const std::int64_t next = nextKeyframe(reading);
       if (next >= 0) storeFlow(next, "keyframe_");

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "radar_dot/dataset/instance_masks.h"
+
 namespace radar_dot::simulation {
 namespace {
 
@@ -14,11 +16,6 @@ constexpr double kDepthScale = 256.0;
 constexpr double kFlowScale = 64.0;
 constexpr double kFlowZero = 32768.0;
 constexpr double kMaxFlow = 511.0;  // px
-
-bool moves(const Actor& actor, double time_s) {
-  const std::string attribute = attributeOf(actor, time_s);
-  return attribute == "vehicle.moving" || attribute == "pedestrian.moving" || attribute == "cycle.with_rider";
-}
 
 /// Points of a row of pixels, asked in packets whether something stands between them and a camera.
 class HiddenPoints {
@@ -89,7 +86,7 @@ cv::Mat actorTruth(const VisibleSurfaces& surfaces, const Snapshot& snapshot) {
 cv::Mat motionTruth(const cv::Mat& actors, const World& world, double time_s) {
   std::vector<std::uint8_t> value(world.actors.size() + 1, 0);
   for (std::size_t i = 0; i < world.actors.size(); ++i)
-    if (moves(world.actors[i], time_s)) value[i + 1] = 255;
+    if (dataset::isMovingAttribute(attributeOf(world.actors[i], time_s))) value[i + 1] = 255;
   cv::Mat motion(actors.size(), CV_8UC1);
   std::transform(actors.begin<std::uint16_t>(), actors.end<std::uint16_t>(), motion.begin<std::uint8_t>(),
                  [&](std::uint16_t actor) { return value[actor]; });

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "frames.h"
+
 namespace radar_dot::simulation {
 namespace {
 
@@ -15,13 +17,6 @@ constexpr float kTwoPi = 6.28318530718F;
 
 std::uint32_t count(const std::vector<Vector3f>& positions) {
   return static_cast<std::uint32_t>(positions.size());
-}
-
-/// Two unit vectors that make a right-handed frame with `axis`.
-std::pair<Vector3f, Vector3f> acrossOf(const Vector3f& axis) {
-  const Vector3f helper = std::abs(axis.z()) < 0.9F ? Vector3f::UnitZ() : Vector3f::UnitX();
-  const Vector3f first = helper.cross(axis).normalized();
-  return {first, axis.cross(first)};
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ class Reporter {
 
   RadarReturn report(const Echo& echo, const RadarScanModel& scan, bool narrow) {
     RadarReturn reported;
+    reported.is_quality_valid = 1;
     reported.object = echo.object;
     reported.true_range_rate = static_cast<float>(echo.range_rate);
     reported.rcs = static_cast<float>(quantised(echo.rcs, model_.rcs_step));

@@ -43,12 +43,6 @@ RTCScene buildMeshScene(RTCDevice device, const Mesh& mesh) {
   return scene;
 }
 
-Eigen::Vector3d rotationRate(const Eigen::Isometry3d& before, const Eigen::Isometry3d& after,
-                             double interval) {
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(after.linear() * before.linear().transpose()));
-  return turn.angle() / interval * turn.axis();
-}
-
 RTCRayHit makeRay(const Vector3f& origin, const Vector3f& direction, float near_m, float far_m) {
   RTCRayHit ray;
   ray.ray.org_x = origin.x();
@@ -66,6 +60,31 @@ RTCRayHit makeRay(const Vector3f& origin, const Vector3f& direction, float near_
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   return ray;
+}
+
+constexpr int kPacket = 8;
+
+/// Ray number `i` of a packet.
+void setRay(RTCRay8& rays, int i, const Vector3f& origin, const Vector3f& direction, float far_m) {
+  rays.org_x[i] = origin.x();
+  rays.org_y[i] = origin.y();
+  rays.org_z[i] = origin.z();
+  rays.dir_x[i] = direction.x();
+  rays.dir_y[i] = direction.y();
+  rays.dir_z[i] = direction.z();
+  rays.tnear[i] = 0.0F;
+  rays.tfar[i] = far_m;
+  rays.time[i] = 0.0F;
+  rays.mask[i] = 0xffffffffU;
+  rays.id[i] = 0;
+  rays.flags[i] = 0;
+}
+
+RTCIntersectContext newContext(RTCIntersectContextFlags flags) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = flags;
+  return context;
 }
 
 /// Towards the origin of the ray.
@@ -106,6 +125,14 @@ struct Snapshot::Data {
 
   ~Data() {
     if (scene != nullptr) rtcReleaseScene(scene);
+  }
+
+  /// @param normal  of the triangle, in the object's frame
+  Hit hitOf(unsigned object, unsigned triangle, float u, float v, float distance, const Vector3f& normal,
+            const Vector3f& direction) const {
+    if (object == RTC_INVALID_GEOMETRY_ID) return {};
+    return {distance, object, triangle,
+            u,        v,      facing(T_map_from_objects[object].linear() * normal, direction)};
   }
   void place(RTCDevice device, RTCScene mesh_scene, std::uint32_t number, const Eigen::Isometry3d& pose) {
     const RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
@@ -159,96 +186,51 @@ Snapshot::Snapshot(const World& world, const RayGeometry& geometry, double time_
 Snapshot::~Snapshot() = default;
 
 Hit Snapshot::trace(const Vector3f& origin, const Vector3f& direction, float near_m, float far_m) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  RTCIntersectContext context = newContext(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
   RTCRayHit ray = makeRay(origin, direction, near_m, far_m);
   rtcIntersect1(data_->scene, &context, &ray);
-  Hit hit;
-  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
-  hit.distance = ray.ray.tfar;
-  hit.object = ray.hit.instID[0];
-  hit.triangle = ray.hit.primID;
-  hit.u = ray.hit.u;
-  hit.v = ray.hit.v;
-  const Vector3f normal(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z);
-  hit.normal = facing(data_->T_map_from_objects[hit.object].linear() * normal, direction);
-  return hit;
+  const RTCHit& hit = ray.hit;
+  return data_->hitOf(hit.instID[0], hit.primID, hit.u, hit.v, ray.ray.tfar, {hit.Ng_x, hit.Ng_y, hit.Ng_z},
+                      direction);
 }
 
 bool Snapshot::blocked(const Vector3f& origin, const Vector3f& direction, float near_m, float far_m) const {
   if (!(far_m > near_m)) return false;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  RTCIntersectContext context = newContext(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
   RTCRayHit ray = makeRay(origin, direction, near_m, far_m);
   rtcOccluded1(data_->scene, &context, &ray.ray);
   return ray.ray.tfar < 0.0F;
 }
 
 void Snapshot::trace8(const Vector3f& origin, const Vector3f* directions, int count, Hit* hits) const {
-  constexpr int kWidth = 8;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  alignas(32) int valid[kWidth];
+  RTCIntersectContext context = newContext(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+  alignas(32) int valid[kPacket];
   RTCRayHit8 rays;
-  for (int i = 0; i < kWidth; ++i) {
+  RTCHit8& hit = rays.hit;
+  for (int i = 0; i < kPacket; ++i) {
     valid[i] = i < count ? -1 : 0;
-    const Vector3f& direction = directions[i < count ? i : 0];
-    rays.ray.org_x[i] = origin.x();
-    rays.ray.org_y[i] = origin.y();
-    rays.ray.org_z[i] = origin.z();
-    rays.ray.dir_x[i] = direction.x();
-    rays.ray.dir_y[i] = direction.y();
-    rays.ray.dir_z[i] = direction.z();
-    rays.ray.tnear[i] = 0.0F;
-    rays.ray.tfar[i] = 1e30F;
-    rays.ray.time[i] = 0.0F;
-    rays.ray.mask[i] = 0xffffffffU;
-    rays.ray.id[i] = 0;
-    rays.ray.flags[i] = 0;
-    rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    setRay(rays.ray, i, origin, directions[i < count ? i : 0], 1e30F);
+    hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
   rtcIntersect8(valid, data_->scene, &context, &rays);
-  for (int i = 0; i < count; ++i) {
-    hits[i] = Hit();
-    if (rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-    hits[i].distance = rays.ray.tfar[i];
-    hits[i].object = rays.hit.instID[0][i];
-    hits[i].triangle = rays.hit.primID[i];
-    hits[i].u = rays.hit.u[i];
-    hits[i].v = rays.hit.v[i];
-    const Vector3f normal(rays.hit.Ng_x[i], rays.hit.Ng_y[i], rays.hit.Ng_z[i]);
-    hits[i].normal = facing(data_->T_map_from_objects[hits[i].object].linear() * normal, directions[i]);
-  }
+  for (int i = 0; i < count; ++i)
+    hits[i] = data_->hitOf(hit.instID[0][i], hit.primID[i], hit.u[i], hit.v[i], rays.ray.tfar[i],
+                           {hit.Ng_x[i], hit.Ng_y[i], hit.Ng_z[i]}, directions[i]);
 }
 
 void Snapshot::blocked8(const Vector3f* origins, const Vector3f* directions, const float* far_m, int count,
                         bool* blocked) const {
-  constexpr int kWidth = 8;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  alignas(32) int valid[kWidth];
+  RTCIntersectContext context = newContext(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+  alignas(32) int valid[kPacket];
   RTCRay8 rays;
   bool any = false;
-  for (int i = 0; i < kWidth; ++i) {
+  for (int i = 0; i < kPacket; ++i) {
     const int source = i < count ? i : 0;
     const bool asked = i < count && far_m[i] > 0.0F;
     any = any || asked;
     valid[i] = asked ? -1 : 0;
-    rays.org_x[i] = origins[source].x();
-    rays.org_y[i] = origins[source].y();
-    rays.org_z[i] = origins[source].z();
-    rays.dir_x[i] = directions[source].x();
-    rays.dir_y[i] = directions[source].y();
-    rays.dir_z[i] = directions[source].z();
-    rays.tnear[i] = 0.0F;
-    rays.tfar[i] = far_m[source];
-    rays.time[i] = 0.0F;
-    rays.mask[i] = 0xffffffffU;
-    rays.id[i] = 0;
-    rays.flags[i] = 0;
+    setRay(rays, i, origins[source], directions[source], far_m[source]);
   }
   if (any) rtcOccluded8(valid, data_->scene, &context, &rays);
   for (int i = 0; i < count; ++i) blocked[i] = valid[i] != 0 && rays.tfar[i] < 0.0F;

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "noise.h"
+#include "frames.h"
 #include "radar_dot/simulation/camera_sensor.h"
 #include "shader.h"
 
@@ -13,7 +13,6 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kTwoPi = 6.28318530718F;
 constexpr float kOcclusionReach = 3.0F;  // m
 constexpr int kBlock = 3;                // px, side of the squares that share an occlusion ray
 constexpr int kPattern = 4;              // blocks, side of the pattern of ray directions
@@ -140,10 +139,9 @@ class SkyOpenness {
     // Cosine-weighted, stratified: 16 directions.
     const float radius = std::sqrt((static_cast<float>(index) + 0.5F) / (kPattern * kPattern));
     const float angle = 2.39996323F * static_cast<float>(index);
-    const Vector3f helper = std::abs(normal.z()) < 0.9F ? Vector3f::UnitZ() : Vector3f::UnitX();
-    const Vector3f first = helper.cross(normal).normalized();
-    const Vector3f direction = radius * (std::cos(angle) * first + std::sin(angle) * normal.cross(first)) +
-                               std::sqrt(1.0F - radius * radius) * normal;
+    const auto [x, y] = acrossOf(normal);
+    const Vector3f direction =
+        radius * (std::cos(angle) * x + std::sin(angle) * y) + std::sqrt(1.0F - radius * radius) * normal;
     const bool hidden =
         snapshot.blocked(point + kRayStart * normal, direction.normalized(), 0.0F, kOcclusionReach);
     return hidden ? 0.3F : 1.0F;

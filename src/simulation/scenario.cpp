@@ -33,6 +33,15 @@ constexpr Recipe kRecipes[] = {
     {"pedestrians", "Dense peds on sidewalks, stop for peds at crosswalk", makePedestrians},
 };
 
+/// @throws std::invalid_argument for an unknown name.
+std::size_t numberOf(const std::string& name) {
+  const auto found = std::find(scenarioNames().begin(), scenarioNames().end(), name);
+  if (found == scenarioNames().end())
+    throw std::invalid_argument(
+        fmt::format("unknown scenario \"{}\"; there are: {}", name, fmt::join(scenarioNames(), ", ")));
+  return static_cast<std::size_t>(found - scenarioNames().begin());
+}
+
 }  // namespace
 
 const std::vector<std::string>& scenarioNames() {
@@ -44,19 +53,19 @@ const std::vector<std::string>& scenarioNames() {
   return names;
 }
 
+ScenarioInfo scenarioInfo(const std::string& name) {
+  const std::size_t number = numberOf(name);
+  return {name, fmt::format("scene-{:04}", number + 1), kRecipes[number].description};
+}
+
 Scenario makeScenario(const std::string& name, double duration_s, std::uint64_t seed) {
-  const auto found = std::find(scenarioNames().begin(), scenarioNames().end(), name);
-  if (found == scenarioNames().end())
-    throw std::invalid_argument(
-        fmt::format("unknown scenario \"{}\"; there are: {}", name, fmt::join(scenarioNames(), ", ")));
+  const std::size_t number = numberOf(name);
   if (!(duration_s > 0.0 && duration_s <= kLongestDrive))
-    throw std::invalid_argument(
-        fmt::format("scenario \"{}\": duration {} s is not above 0 and up to 60 s", name, duration_s));
-  const auto number = static_cast<std::size_t>(found - scenarioNames().begin());
+    throw std::invalid_argument(fmt::format("scenario \"{}\": duration {} s is not above 0 and up to {} s",
+                                            name, duration_s, kLongestDrive));
   ScenarioKit kit(duration_s, mixBits(seed) + number);
   kRecipes[number].make(kit);
-  return {name, fmt::format("scene-{:04}", number + 1), kRecipes[number].description, std::move(kit.world),
-          kit.ego};
+  return {scenarioInfo(name), std::move(kit.world), kit.ego};
 }
 
 }  // namespace radar_dot::simulation

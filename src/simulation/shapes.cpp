@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frames.h"
+
 namespace radar_dot::simulation {
 namespace {
 
@@ -20,11 +22,10 @@ float turnOf(int side, int sides) {
 
 Eigen::Isometry3f poseAlong(const Vector3f& origin, const Vector3f& z_axis) {
   const Vector3f z = z_axis.normalized();
-  const Vector3f helper = std::abs(z.z()) < 0.9F ? Vector3f::UnitZ() : Vector3f::UnitX();
+  const auto [x, y] = acrossOf(z);
   Eigen::Isometry3f pose = Eigen::Isometry3f::Identity();
-  const Vector3f x = helper.cross(z).normalized();
   pose.linear().col(0) = x;
-  pose.linear().col(1) = z.cross(x);
+  pose.linear().col(1) = y;
   pose.linear().col(2) = z;
   pose.translation() = origin;
   return pose;

@@ -9,6 +9,12 @@ constexpr double kStep = 1e-4;  // s
 
 }  // namespace
 
+Eigen::Vector3d rotationRate(const Eigen::Isometry3d& before, const Eigen::Isometry3d& after,
+                             double interval) {
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(after.linear() * before.linear().transpose()));
+  return turn.angle() / interval * turn.axis();
+}
+
 Eigen::Vector3d Trajectory::velocity(double time_s) const {
   return (at(time_s + kStep).T_map_from_body.translation() -
           at(time_s - kStep).T_map_from_body.translation()) /
@@ -16,9 +22,7 @@ Eigen::Vector3d Trajectory::velocity(double time_s) const {
 }
 
 Eigen::Vector3d Trajectory::angularVelocity(double time_s) const {
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(at(time_s + kStep).T_map_from_body.linear() *
-                                               at(time_s - kStep).T_map_from_body.linear().transpose()));
-  return turn.angle() / (2.0 * kStep) * turn.axis();
+  return rotationRate(at(time_s - kStep).T_map_from_body, at(time_s + kStep).T_map_from_body, 2.0 * kStep);
 }
 
 }  // namespace radar_dot::simulation

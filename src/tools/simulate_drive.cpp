@@ -84,19 +84,17 @@ std::vector<std::string> scenarioNames(const Arguments& arguments) {
 
 /// Before hours of work: is every scenario known, and named once.
 void checkScenarios(const std::vector<std::string>& names) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto begin = names.begin();
-    if (std::find(begin, begin + static_cast<std::ptrdiff_t>(i), names[i]) !=
-        begin + static_cast<std::ptrdiff_t>(i))
-      throw std::invalid_argument(fmt::format("scenario '{}' is named twice", names[i]));
-    simulation::makeScenario(names[i], 1.0, 1);
+  for (const std::string& name : names) {
+    simulation::scenarioInfo(name);
+    if (std::count(names.begin(), names.end(), name) > 1)
+      throw std::invalid_argument(fmt::format("scenario '{}' is named twice", name));
   }
 }
 
 void list() {
   for (const std::string& name : simulation::scenarioNames()) {
-    const simulation::Scenario scenario = simulation::makeScenario(name, 1.0, 1);
-    std::puts(fmt::format("{:14} {}  {}", name, scenario.scene_name, scenario.description).c_str());
+    const simulation::ScenarioInfo info = simulation::scenarioInfo(name);
+    std::puts(fmt::format("{:14} {}  {}", info.name, info.scene_name, info.description).c_str());
   }
 }
 

@@ -94,7 +94,7 @@ TEST_F(DatarootRefusalTest, SamplesAndReadings) {
          s.readings[5].ego_pose.rotation = {0.0, 2.0, 0.0, 0.0};
        }},
       {"reading 5: the file name must be relative to the dataroot and inside of it",
-       [](NewScene& s) { s.readings[5].filename = "/tmp/a.pcd"; }},
+       [](NewScene& s) { s.readings[5].filename = "/a.pcd"; }},
       {"reading 5: the file name must be relative to the dataroot and inside of it",
        [](NewScene& s) { s.readings[5].filename = "samples/../../a.pcd"; }},
       {"reading 5: another reading has this file name",

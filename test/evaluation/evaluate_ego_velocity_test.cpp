@@ -2,34 +2,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 
-#include <algorithm>
-#include <array>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 
 #include "fixtures/nuscenes_fixture.h"
+#include "fixtures/tool_run.h"
 
 namespace radar_dot {
 namespace {
 
-struct Outcome {
-  int exit_code = -1;
-  std::string text;  ///< stdout and stderr
-};
+using test::Outcome;
 
 Outcome runTool(const std::string& arguments) {
-  Outcome outcome;
-  FILE* pipe = popen((std::string(TOOL) + " " + arguments + " 2>&1").c_str(), "r");
-  std::array<char, 4096> buffer{};
-  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe))
-    outcome.text.append(buffer.data(), count);
-  outcome.exit_code = WEXITSTATUS(pclose(pipe));
-  return outcome;
+  return test::runCommand(std::string(TOOL) + " " + arguments);
 }
 
 class EvaluateEgoVelocity : public ::testing::Test {
@@ -53,13 +40,8 @@ TEST_F(EvaluateEgoVelocity, WritesTableJsonAndCsv) {
   EXPECT_FALSE(std::filesystem::exists(json.string() + ".partial"));
 }
 
-/// One line that starts with the tool's name and holds `part`; exit code not zero.
 void expectRefusal(const std::string& arguments, const std::string& part) {
-  const Outcome outcome = runTool(arguments);
-  EXPECT_NE(outcome.exit_code, 0);
-  EXPECT_EQ(outcome.text.rfind("evaluate_ego_velocity: ", 0), 0U) << outcome.text;
-  EXPECT_NE(outcome.text.find(part), std::string::npos) << outcome.text;
-  EXPECT_EQ(std::count(outcome.text.begin(), outcome.text.end(), '\n'), 1) << outcome.text;
+  test::expectOneLineRefusal(std::string(TOOL) + " " + arguments, "evaluate_ego_velocity", part);
 }
 
 TEST_F(EvaluateEgoVelocity, BadInputGetsOneLineAndANonZeroExit) {

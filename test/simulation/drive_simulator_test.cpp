@@ -49,6 +49,12 @@ void simulate(const fs::path& output, const DriveOptions& options,
   writer.finish();
 }
 
+Tables loadSimulated(const fs::path& dataroot) {
+  dataset::LoadOptions options;
+  options.version = "v1.0-sim";
+  return Tables::load(dataroot, options);
+}
+
 std::map<std::string, std::string> filesUnder(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -64,11 +70,7 @@ class DriveSimulator : public ::testing::Test {
   }
   static void TearDownTestSuite() { folder_.reset(); }
   static fs::path dataroot() { return folder_->path() / "simulated"; }
-  static Tables load() {
-    dataset::LoadOptions options;
-    options.version = "v1.0-sim";
-    return Tables::load(dataroot(), options);
-  }
+  static Tables load() { return loadSimulated(dataroot()); }
   static std::unique_ptr<test::TemporaryFolder> folder_;
 };
 std::unique_ptr<test::TemporaryFolder> DriveSimulator::folder_;
@@ -223,9 +225,7 @@ TEST(DriveVariants, PairsOfSixCamerasWithoutOtherSensors) {
   options.radar_rate = 0.0;
   options.lidar_rate = 0.0;
   simulate(folder.path() / "drive", options, {"pedestrians"});
-  dataset::LoadOptions load;
-  load.version = "v1.0-sim";
-  Tables tables = Tables::load(folder.path() / "drive", load);
+  Tables tables = loadSimulated(folder.path() / "drive");
   EXPECT_EQ(tables.channelsOf(0).size(), 6U);
   EXPECT_EQ(tables.sample_data.size(), 6U * 4U) << "two keyframes, and the image after each";
   const fs::path truth = folder.path() / "drive/ground_truth";
@@ -247,9 +247,7 @@ TEST(DriveVariants, SlowestSensorsAreCoveredByTheCanBus) {
   options.radar_rate = 2.0;
   options.ground_truth = GroundTruth::kNone;
   simulate(folder.path() / "drive", options, {"standing"});
-  dataset::LoadOptions load;
-  load.version = "v1.0-sim";
-  const Tables tables = Tables::load(folder.path() / "drive", load);
+  const Tables tables = loadSimulated(folder.path() / "drive");
   const dataset::CanBus can_bus = dataset::readCanBus(folder.path() / "drive", tables.scenes[0].name);
   for (const auto& reading : tables.sample_data) {
     EXPECT_GE(reading.timestamp_us, can_bus.poses.front().timestamp_us);

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -14,34 +13,21 @@
 #include <thread>
 
 #include "fixtures/files.h"
+#include "fixtures/tool_run.h"
 
 namespace radar_dot {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int exit_code = -1;
-  std::string text;  ///< stdout and stderr
-};
+using test::Outcome;
 
 Outcome runTool(const std::string& arguments) {
-  Outcome outcome;
-  FILE* pipe = popen((std::string(TOOL) + " " + arguments + " 2>&1").c_str(), "r");
-  std::array<char, 4096> buffer{};
-  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe))
-    outcome.text.append(buffer.data(), count);
-  outcome.exit_code = WEXITSTATUS(pclose(pipe));
-  return outcome;
+  return test::runCommand(std::string(TOOL) + " " + arguments);
 }
 
-/// One line that starts with the tool's name and holds `part`; exit code not zero.
 void expectRefusal(const std::string& arguments, const std::string& part) {
-  const Outcome outcome = runTool(arguments);
-  EXPECT_NE(outcome.exit_code, 0) << arguments;
-  EXPECT_EQ(outcome.text.rfind("simulate_drive: ", 0), 0U) << outcome.text;
-  EXPECT_EQ(std::count(outcome.text.begin(), outcome.text.end(), '\n'), 1) << outcome.text;
-  EXPECT_NE(outcome.text.find(part), std::string::npos) << outcome.text;
+  test::expectOneLineRefusal(std::string(TOOL) + " " + arguments, "simulate_drive", part);
 }
 
 const std::string kQuick =
@@ -119,14 +105,10 @@ TEST(CompareRadar, ADatarootEqualsItself) {
   const test::TemporaryFolder folder;
   const std::string dataroot = (folder.path() / "drive").string();
   ASSERT_EQ(runTool("--output " + dataroot + kQuick).exit_code, 0);
-  const std::string command = std::string("/usr/bin/python3 ") + COMPARE_RADAR + " --real " + dataroot +
-                              " --real-version v1.0-sim --simulated " + dataroot + " 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  std::string text;
-  std::array<char, 4096> buffer{};
-  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe))
-    text.append(buffer.data(), count);
-  EXPECT_EQ(WEXITSTATUS(pclose(pipe)), 0) << text;
+  const auto [exit_code, text] =
+      test::runCommand(std::string("/usr/bin/python3 ") + COMPARE_RADAR + " --real " + dataroot +
+                       " --real-version v1.0-sim --simulated " + dataroot);
+  EXPECT_EQ(exit_code, 0) << text;
   const std::size_t all = text.find("\n  all ", text.find("simulated / real (bar"));
   ASSERT_NE(all, std::string::npos) << text;
   const std::string line = text.substr(all + 1, text.find('\n', all + 1) - all - 1);

@@ -66,6 +66,9 @@ bool hasInstanceMasks(const Tables& tables);
 /// border belongs to it. @throws std::invalid_argument for run lengths that do not fit their size.
 cv::Mat decodeMask(const InstanceMask& instance);
 
+/// Does an attribute of this name say that its object moves: "*.moving" or "cycle.with_rider".
+bool isMovingAttribute(std::string_view name) noexcept;
+
 /// Does the instance move: an attribute "*.moving" or "cycle.with_rider".
 bool isMoving(const Tables& tables, const InstanceMask& instance);
 

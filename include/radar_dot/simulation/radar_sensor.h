@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "radar_dot/dataset/point_files.h"
 #include "radar_dot/simulation/radar_model.h"
 #include "radar_dot/simulation/ray_tracing.h"
 #include "radar_dot/simulation/sensor_mounts.h"
@@ -12,21 +13,9 @@
 
 namespace radar_dot::simulation {
 
-/// One return, with the fields of a nuScenes radar file and their meaning. Sensor frame.
-struct RadarReturn {
-  float x = 0.0F, y = 0.0F, z = 0.0F;  ///< m
-  std::int8_t dyn_prop = 0;
-  std::int16_t id = 0;
-  float rcs = 0.0F;                      ///< dBsm
-  float vx = 0.0F, vy = 0.0F;            ///< m/s, relative to the sensor, quantised; not radial
-  float vx_comp = 0.0F, vy_comp = 0.0F;  ///< m/s, over ground
-  std::int8_t is_quality_valid = 1;
-  std::int8_t ambig_state = 3;
-  std::int8_t x_rms = 19, y_rms = 19;
-  std::int8_t invalid_state = 0;
-  std::int8_t pdh0 = 1;
-  std::int8_t vx_rms = 16, vy_rms = 3;
-  // What no radar tells: for tests and calibration, not written to files.
+/// One return as the radar reports it, and what no radar tells: for tests and calibration, not written to
+/// files.
+struct RadarReturn : dataset::RadarRecord {
   std::int32_t object = -1;      ///< number in Snapshot::objects of a real target; -1 = ghost or clutter
   float true_range_rate = 0.0F;  ///< m/s, of the surface point that reflects, without noise
 };

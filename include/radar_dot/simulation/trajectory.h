@@ -15,6 +15,11 @@ struct BodyState {
   double steering_angle = 0.0;  ///< rad, of the front wheels, positive to the left
 };
 
+/// Rate at which a body turned from one pose to another `interval` seconds later, rad/s, in the frame that
+/// the poses refer to.
+Eigen::Vector3d rotationRate(const Eigen::Isometry3d& before, const Eigen::Isometry3d& after,
+                             double interval);
+
 /// The motion of a rigid body as a smooth function of time, defined for every time (bodies stand or
 /// go on outside the time they were planned for). Body frame: x ahead, y left, z up (REP 103).
 class Trajectory {
