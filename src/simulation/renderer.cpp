@@ -162,9 +162,23 @@ class EdgeFinder {
       : radiance_(radiance),
         keys_(radiance.size(), CV_32SC1),
         more_(cv::Mat::zeros(radiance.size(), CV_8UC1)) {
-    for (int v = 0; v < keys_.rows; ++v)
-      for (int u = 0; u < keys_.cols; ++u)
-        keys_.at<std::int32_t>(v, u) = keyOf(snapshot, surfaces.at(u, v), in_sun.at<std::uint8_t>(v, u));
+    // Surfaces numbered through all objects.
+    std::vector<std::uint32_t> first_surface(snapshot.objects().size() + 1, 0);
+    for (std::size_t i = 0; i < snapshot.objects().size(); ++i)
+      first_surface[i + 1] =
+          first_surface[i] + static_cast<std::uint32_t>(snapshot.objects()[i].mesh->surfaces.size());
+    for (int v = 0; v < keys_.rows; ++v) {
+      for (int u = 0; u < keys_.cols; ++u) {
+        const Hit& hit = surfaces.at(u, v);
+        if (!hit) {
+          keys_.at<std::int32_t>(v, u) = -1;
+          continue;
+        }
+        const std::uint32_t surface = snapshot.objects()[hit.object].mesh->triangles[hit.triangle].surface;
+        keys_.at<std::int32_t>(v, u) = static_cast<std::int32_t>(2 * (first_surface[hit.object] + surface) +
+                                                                 in_sun.at<std::uint8_t>(v, u));
+      }
+    }
     for (int v = 0; v < keys_.rows; ++v) {
       for (int u = 0; u < keys_.cols; ++u) {
         if (u + 1 < keys_.cols) compare(v, u, v, u + 1);
@@ -177,13 +191,6 @@ class EdgeFinder {
   int moreSamples(int u, int v) const { return more_.at<std::uint8_t>(v, u); }
 
  private:
-  /// Differs where the object, its material or the light does.
-  static std::int32_t keyOf(const Snapshot& snapshot, const Hit& hit, std::uint8_t in_sun) {
-    if (!hit) return -1;
-    const std::uint32_t surface = snapshot.objects()[hit.object].mesh->triangles[hit.triangle].surface;
-    return static_cast<std::int32_t>((hit.object * 64 + surface) * 2 + in_sun);
-  }
-
   void compare(int v, int u, int other_v, int other_u) {
     if (keys_.at<std::int32_t>(v, u) == keys_.at<std::int32_t>(other_v, other_u)) return;
     const float light = radiance_.at<cv::Vec3f>(v, u)[1];
@@ -197,7 +204,7 @@ class EdgeFinder {
   static constexpr float kLowContrast = 1.2F;
   static constexpr float kHighContrast = 2.2F;
   const cv::Mat& radiance_;
-  cv::Mat keys_;  ///< CV_32SC1
+  cv::Mat keys_;  ///< CV_32SC1, differ where the object, its surface or the light does
   cv::Mat more_;  ///< CV_8UC1
 };
 
