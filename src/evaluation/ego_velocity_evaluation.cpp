@@ -27,18 +27,6 @@ struct StampedVelocity {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-/// The scan of a radar nearest to `time`, or nothing beyond `reach` seconds.
-std::optional<std::size_t> nearestScan(const LoadedRadar& radar, double time, double reach) {
-  const auto& scans = radar.scans;
-  if (scans.empty()) return std::nullopt;
-  auto best = std::lower_bound(scans.begin(), scans.end(), time,
-                               [](const LoadedScan& scan, double t) { return scan.time < t; });
-  if (best == scans.end() || (best != scans.begin() && time - std::prev(best)->time < best->time - time))
-    --best;
-  if (std::abs(best->time - time) > reach) return std::nullopt;
-  return static_cast<std::size_t>(best - scans.begin());
-}
-
 EgoVelocityParams variantParams(EgoVelocityParams params, const std::string& variant) {
   params.model = MotionModel::kPlanar;
   if (variant != "robust") {

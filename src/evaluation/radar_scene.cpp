@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 #include "radar_dot/dataset/point_files.h"
@@ -112,6 +114,17 @@ PoseTrack loadTruth(const Tables& tables, Index scene) {
 }
 
 }  // namespace
+
+std::optional<std::size_t> nearestScan(const LoadedRadar& radar, double time, double reach) {
+  const auto& scans = radar.scans;
+  if (scans.empty()) return std::nullopt;
+  auto best = std::lower_bound(scans.begin(), scans.end(), time,
+                               [](const LoadedScan& scan, double t) { return scan.time < t; });
+  if (best == scans.end() || (best != scans.begin() && time - std::prev(best)->time < best->time - time))
+    --best;
+  if (std::abs(best->time - time) > reach) return std::nullopt;
+  return static_cast<std::size_t>(best - scans.begin());
+}
 
 RadarScene loadRadarScene(const Tables& tables, Index scene, const std::vector<std::string>& channels,
                           const ExtractionParams& extraction) {

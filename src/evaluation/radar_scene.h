@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,9 @@ struct LoadedRadar {
     return {&scans[index].returns, T_base_from_sensor, scans[index].time, nullptr};
   }
 };
+
+/// The scan of a radar nearest to `time`, or nothing beyond `reach` seconds.
+std::optional<std::size_t> nearestScan(const LoadedRadar& radar, double time, double reach);
 
 /// What the evaluation needs of a scene.
 struct RadarScene {

@@ -1,0 +1,66 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
+#include <random>
+
+#include "fixtures/literal_motion.h"
+#include "radar_dot/vision/motion_segmentation.h"
+
+namespace radar_dot {
+namespace {
+
+/// A street: ground below, houses that come nearer to the sides, flow of a drive with the noise of a real
+/// one.
+MotionInput street() {
+  MotionInput input;
+  input.camera = {1266.0, 1266.0, 816.0, 491.0, 1600, 900};
+  input.T_current_from_previous.translation() = Eigen::Vector3d(0.02, 0.0, -5.0);
+  input.T_current_from_previous.linear() =
+      Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  input.depth.create(900, 1600, CV_32FC1);
+  for (int v = 0; v < 900; ++v) {
+    for (int u = 0; u < 1600; ++u) {
+      const double ground = v > 500 ? 1.5 * 1266.0 / (v - 491.0) : 100.0;
+      const double house = 8.0 * 1266.0 / (1.0 + std::abs(u - 816.0));
+      input.depth.at<float>(v, u) = static_cast<float>(std::min({ground, house, 100.0}));
+    }
+  }
+  cv::subtract(input.depth, 5.0, input.next_depth);
+  input.next_depth = cv::max(input.next_depth, 1.0);
+  input.flow = expectedFlow(input.camera, input.T_current_from_previous, input.depth);
+  input.flow_valid = cv::Mat(input.depth.size(), CV_8UC1, cv::Scalar(255));
+  std::mt19937 random(1);
+  for (int v = 0; v < 900; ++v) {
+    for (int u = 0; u < 1600; ++u) {
+      const auto noise = static_cast<float>(static_cast<double>(random()) / 4294967296.0 - 0.5);
+      input.flow.at<cv::Vec2f>(v, u) += cv::Vec2f(noise, -noise);
+    }
+  }
+  return input;
+}
+
+void motionSegmenter(benchmark::State& state) {
+  const MotionInput input = street();
+  const auto threads = static_cast<std::size_t>(state.range(0));
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  cv::setNumThreads(static_cast<int>(threads));
+  MotionSegmenter segmenter;
+  for (auto _ : state) benchmark::DoNotOptimize(segmenter.segment(input).threshold);
+}
+BENCHMARK(motionSegmenter)->Arg(1)->Arg(2)->ArgName("threads")->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void literalReference(benchmark::State& state) {
+  const MotionInput input = street();
+  for (auto _ : state) benchmark::DoNotOptimize(test::literalMotion(input, {}).threshold);
+}
+BENCHMARK(literalReference)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+}  // namespace radar_dot
+
+BENCHMARK_MAIN();

@@ -1,0 +1,97 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "radar_dot/vision/camera_intrinsics.h"
+
+namespace radar_dot {
+
+/// Parameters of MotionSegmenter. Lengths in px are px of the camera's full image; on a coarser grid they are
+/// scaled by MotionInput::pixel_scale.
+struct MotionParams {
+  double k = 6.0;          ///< MADs above the median, the paper's k
+  double lambda = 0.5;     ///< weight of the depth residual, the paper's lambda
+  double min_depth = 1.0;  ///< m, the paper's Z_min: nearer pixels are tolerated like this depth
+  double foe_std =
+      100.0;  ///< px, the paper's sigma_FOE: reach of the extra tolerance around the focus of expansion
+  /// A predicted point farther than the depth seen there by this share of its own depth is hidden in the
+  /// second image. Well above the depth errors, so that a mover that comes nearer is not taken for an
+  /// occluder.
+  double occlusion_margin = 0.3;
+  double max_depth = 120.0;  ///< m; farther is unknown
+  int opening = 5;           ///< px, diameter of the ellipse that removes isolated detections; 0 or 1 = off
+  int closing = 9;           ///< px, diameter of the ellipse that fills gaps; 0 or 1 = off
+  /// A threshold below this score would cut into the noise of the flow where nearly everything agrees.
+  double min_threshold = 0.25;
+  /// Factor on the score within the footprint of dynamic radar returns is 1 + this; 0 = off.
+  double radar_gain = 0.0;
+  double radar_radius = 1.0;  ///< m, of the footprint of a dynamic return
+};
+/// @throws std::invalid_argument naming the parameter that makes no sense.
+void validate(const MotionParams& params);
+
+/// One pair of images, on one grid.
+struct MotionInput {
+  CameraIntrinsics camera;   ///< of the grid
+  double pixel_scale = 1.0;  ///< px of the full image per px of the grid
+  Eigen::Isometry3d T_current_from_previous = Eigen::Isometry3d::Identity();  ///< staticPointMotion, m
+  cv::Mat flow;        ///< CV_32FC2, px of the grid, from t-1 to t; NaN = unknown
+  cv::Mat flow_valid;  ///< CV_8UC1, 0 = unreliable; empty: all are reliable
+  cv::Mat depth;       ///< CV_32FC1, m, at t-1 (the paper's D_{t-1}); NaN, 0 or less = unknown
+  cv::Mat next_depth;  ///< CV_32FC1, m, at t (the paper's D_t); empty: no depth residual anywhere
+  std::vector<Eigen::Vector3f>
+      dynamic_points;  ///< m, camera frame at t-1: dynamic radar returns, for radar_gain
+};
+
+/// Outcome of one pair, on the grid of the input. The images belong to the segmenter until its next call.
+struct MotionResult {
+  cv::Mat mask;   ///< CV_8UC1, 255 = moves by itself
+  cv::Mat valid;  ///< CV_8UC1, 255 = took part, 0 = excluded: no depth or flow, out of view, occluded
+  cv::Mat score;  ///< CV_32FC1, S; NaN where excluded
+  double median_depth = 0.0;  ///< m, the paper's Z~
+  double median = 0.0;        ///< of S
+  double mad = 0.0;           ///< of S
+  double threshold = 0.0;     ///< tau
+  std::size_t valid_count = 0;
+};
+
+/// The paper's dynamic mask in one fused pass over the image, on all cores TBB gives.
+///
+/// A static point at depth D under pixel p of frame t-1 appears at p' in frame t. Where the flow leads
+/// elsewhere, or the depth found at p' is another one, the pixel moves by itself: its score
+///     S = e_flow / sigma_flow + lambda e_depth / sigma_depth
+/// lies above median(S) + k MAD(S). The terms are in motion_terms.h. Where D_t is unknown at p' there is no
+/// depth residual, and the flow decides alone. Pixels without depth or reliable flow, those whose p' leaves
+/// the image or falls behind the camera, and those occluded in frame t take part in neither the median nor
+/// the mask.
+class MotionSegmenter {
+ public:
+  /// @throws std::invalid_argument as validate().
+  explicit MotionSegmenter(MotionParams params = {});
+  ~MotionSegmenter();
+  MotionSegmenter(MotionSegmenter&&) noexcept;
+  MotionSegmenter& operator=(MotionSegmenter&&) noexcept;
+
+  /// @throws std::invalid_argument for images of other types or sizes than the camera's grid.
+  const MotionResult& segment(const MotionInput& input);
+  const MotionParams& params() const noexcept { return params_; }
+
+ private:
+  struct Workspace;
+  MotionParams params_;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+/// Flow of a static world, CV_32FC2 on the grid of `camera` in its px; NaN without depth or behind the
+/// camera.
+cv::Mat expectedFlow(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_current_from_previous,
+                     const cv::Mat& depth);
+
+}  // namespace radar_dot

@@ -1,0 +1,41 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/vision/camera_intrinsics.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace radar_dot {
+
+CameraIntrinsics CameraIntrinsics::fromMatrix(const Eigen::Matrix3d& matrix, int width, int height) {
+  if (!matrix.allFinite() || !(matrix(0, 0) > 0.0) || !(matrix(1, 1) > 0.0)) {
+    throw std::invalid_argument(fmt::format(
+        "camera matrix: the focal lengths are {} and {} px; they must be positive, and all of it finite",
+        matrix(0, 0), matrix(1, 1)));
+  }
+  if (width <= 0 || height <= 0) {
+    throw std::invalid_argument(
+        fmt::format("camera: its image is {} x {} px; both must be positive", width, height));
+  }
+  return {matrix(0, 0), matrix(1, 1), matrix(0, 2), matrix(1, 2), width, height};
+}
+
+Eigen::Matrix3d CameraIntrinsics::matrix() const {
+  Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
+  k(0, 0) = fx;
+  k(1, 1) = fy;
+  k(0, 2) = cx;
+  k(1, 2) = cy;
+  return k;
+}
+
+CameraIntrinsics CameraIntrinsics::scaledTo(int new_width, int new_height) const {
+  const double x = static_cast<double>(new_width) / width;
+  const double y = static_cast<double>(new_height) / height;
+  // The border of the image, half a pixel beyond the first centre, is what stays.
+  return {fx * x, fy * y, (cx + 0.5) * x - 0.5, (cy + 0.5) * y - 0.5, new_width, new_height};
+}
+
+}  // namespace radar_dot
