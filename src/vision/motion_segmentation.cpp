@@ -29,6 +29,14 @@ constexpr float kFootprintAbove = 1.5F;
 
 constexpr int kRowsPerTask = 16;
 
+// The loops over pixels exist twice, for processors with and without AVX2; the processor at hand chooses.
+// Both round alike. Sanitizers start later than that choice.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define RADAR_DOT_VECTORISED __attribute__((target_clones("avx2", "default")))
+#else
+#define RADAR_DOT_VECTORISED
+#endif
+
 void require(bool good, const char* name, double value, const char* wanted) {
   if (!good)
     throw std::invalid_argument(
@@ -97,62 +105,79 @@ constexpr int kBlock =
     256;  // pixels of a row that are worked on together, small enough for the nearest cache
 
 /// A few pixels of a row on their way to a score. Arrays, and one simple loop for each step, so that the
-/// compiler works on several pixels at once.
+/// compiler works on several pixels at once; constants are copied first, so that it knows they do not change
+/// meanwhile.
 struct PixelBlock {
   std::array<float, kBlock> u, v, depth_there, flow_part, tolerance, depth_part;
-
-  /// Prediction, flow residual and the two tolerances.
-  void predict(const PassConstants& pass, int row, int begin, int count, const float* depths,
-               const float* flows) {
-    namespace terms = motion_terms;
-    const auto v_here = static_cast<float>(row);
-    const float foe_row = pass.foe_rows[static_cast<std::size_t>(row)];
-    const float* foe_columns = pass.foe_columns.data() + begin;
-    for (int i = 0; i < count; ++i) {
-      const auto u_here = static_cast<float>(begin + i);
-      const float depth = depths[i];
-      const terms::Prediction there = terms::predict(pass.motion, u_here, v_here, depth);
-      const float e_flow = terms::flowResidual(flows[2 * i], flows[2 * i + 1], there.u - u_here,
-                                               there.v - v_here, pass.pixel_scale);
-      const auto k = static_cast<std::size_t>(i);
-      u[k] = there.u;
-      v[k] = there.v;
-      depth_there[k] = there.depth;
-      flow_part[k] = e_flow;
-      tolerance[k] = terms::flowTolerance(pass.median_depth, depth, pass.min_depth, foe_columns[i] * foe_row);
-    }
-  }
-
-  /// The depth residual, and what is excluded: flow_part becomes NaN.
-  void look(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int count,
-            const float* depths, const std::uint8_t* reliable) {
-    namespace terms = motion_terms;
-    for (int i = 0; i < count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      depth_part[k] = 0.0F;
-      const bool in_view =
-          depth_there[k] > 0.0F && u[k] >= 0.0F && v[k] >= 0.0F && u[k] <= pass.last_u && v[k] <= pass.last_v;
-      if (!in_view || !isKnownDepth(depths[i], pass.max_depth) || (reliable != nullptr && reliable[i] == 0)) {
-        flow_part[k] = kNaN;
-        continue;
-      }
-      if (next_depth.pixels == nullptr) continue;
-      const float seen = terms::bilinear(next_depth, u[k], v[k]);
-      if (!isKnownDepth(seen, pass.max_depth)) continue;
-      if (terms::isOccluded(seen, depth_there[k], pass.occlusion_margin)) flow_part[k] = kNaN;
-      depth_part[k] = terms::depthResidual(seen, depth_there[k]);
-    }
-  }
-
-  void score(const PassConstants& pass, int count, const float* depths, float* scores) const {
-    namespace terms = motion_terms;
-    for (int i = 0; i < count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      scores[i] = terms::motionScore(flow_part[k], tolerance[k], depth_part[k],
-                                     terms::depthTolerance(depths[i], pass.min_depth), pass.lambda);
-    }
-  }
 };
+
+/// Prediction, flow residual and the tolerance for flow.
+RADAR_DOT_VECTORISED void predictBlock(const PassConstants& pass, int row, int begin, int count,
+                                       const float* depths, const float* flows, PixelBlock& block) {
+  namespace terms = motion_terms;
+  const terms::PixelMotion motion = pass.motion;
+  const float pixel_scale = pass.pixel_scale;
+  const float median_depth = pass.median_depth;
+  const float min_depth = pass.min_depth;
+  const auto v = static_cast<float>(row);
+  const float foe_row = pass.foe_rows[static_cast<std::size_t>(row)];
+  const float* foe_columns = pass.foe_columns.data() + begin;
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const auto u = static_cast<float>(begin + i);
+    const terms::Prediction there = terms::predict(motion, u, v, depths[i]);
+    block.u[k] = there.u;
+    block.v[k] = there.v;
+    block.depth_there[k] = there.depth;
+    block.flow_part[k] =
+        terms::flowResidual(flows[2 * i], flows[2 * i + 1], there.u - u, there.v - v, pixel_scale);
+    block.tolerance[k] = terms::flowTolerance(median_depth, depths[i], min_depth, foe_columns[i] * foe_row);
+  }
+}
+
+/// The depth residual, and what is excluded: flow_part becomes NaN.
+void lookUpDepth(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int count,
+                 const float* depths, const std::uint8_t* reliable, PixelBlock& block) {
+  namespace terms = motion_terms;
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    block.depth_part[k] = 0.0F;
+    const float u = block.u[k];
+    const float v = block.v[k];
+    const float depth_there = block.depth_there[k];
+    const bool in_view = depth_there > 0.0F && u >= 0.0F && v >= 0.0F && u <= pass.last_u && v <= pass.last_v;
+    if (!in_view || !isKnownDepth(depths[i], pass.max_depth) || (reliable != nullptr && reliable[i] == 0)) {
+      block.flow_part[k] = kNaN;
+      continue;
+    }
+    if (next_depth.pixels == nullptr) continue;
+    const float seen = terms::bilinear(next_depth, u, v);
+    if (!isKnownDepth(seen, pass.max_depth)) continue;
+    if (terms::isOccluded(seen, depth_there, pass.occlusion_margin)) block.flow_part[k] = kNaN;
+    block.depth_part[k] = terms::depthResidual(seen, depth_there);
+  }
+}
+
+RADAR_DOT_VECTORISED void scoreBlock(const PassConstants& pass, int count, const float* depths,
+                                     const PixelBlock& block, float* scores) {
+  namespace terms = motion_terms;
+  const float min_depth = pass.min_depth;
+  const float lambda = pass.lambda;
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    // A flow that is not a number makes a score that is none.
+    scores[i] = terms::motionScore(block.flow_part[k], block.tolerance[k], block.depth_part[k],
+                                   terms::depthTolerance(depths[i], min_depth), lambda);
+  }
+}
+
+RADAR_DOT_VECTORISED void thresholdRow(const float* scores, int columns, float threshold, std::uint8_t* mask,
+                                       std::uint8_t* valid) {
+  for (int i = 0; i < columns; ++i) {
+    mask[i] = scores[i] > threshold ? 255 : 0;
+    valid[i] = scores[i] >= 0.0F ? 255 : 0;
+  }
+}
 
 using Histograms = tbb::enumerable_thread_specific<FloatHistogram>;
 
@@ -308,10 +333,10 @@ std::size_t MotionSegmenter::Workspace::score(const MotionInput& input, const Pa
     PixelBlock block;
     for (int begin = 0; begin < columns; begin += kBlock) {
       const int count = std::min(kBlock, columns - begin);
-      block.predict(pass, row, begin, count, depths + begin, flows + 2 * begin);
-      block.look(pass, next_depth, count, depths + begin, reliable == nullptr ? nullptr : reliable + begin);
-      // A flow that is not a number makes a score that is none.
-      block.score(pass, count, depths + begin, scores + begin);
+      predictBlock(pass, row, begin, count, depths + begin, flows + 2 * begin, block);
+      lookUpDepth(pass, next_depth, count, depths + begin, reliable == nullptr ? nullptr : reliable + begin,
+                  block);
+      scoreBlock(pass, count, depths + begin, block, scores + begin);
     }
     for (int column = 0; footprint != nullptr && column < columns; ++column)
       if (footprint[column] != 0) scores[column] *= pass.radar_factor;
@@ -341,13 +366,8 @@ void MotionSegmenter::Workspace::threshold(const MotionParams& params, double pi
   tbb::parallel_for(tbb::blocked_range<int>(0, scores.rows, kRowsPerTask),
                     [&](const tbb::blocked_range<int>& range) {
                       for (int row = range.begin(); row < range.end(); ++row) {
-                        const float* pixels = scores.ptr<float>(row);
-                        std::uint8_t* mask = result.mask.ptr<std::uint8_t>(row);
-                        std::uint8_t* valid = result.valid.ptr<std::uint8_t>(row);
-                        for (int column = 0; column < scores.cols; ++column) {
-                          mask[column] = pixels[column] > tau ? 255 : 0;
-                          valid[column] = pixels[column] >= 0.0F ? 255 : 0;
-                        }
+                        thresholdRow(scores.ptr<float>(row), scores.cols, tau,
+                                     result.mask.ptr<std::uint8_t>(row), result.valid.ptr<std::uint8_t>(row));
                       }
                     });
   morphology(result.mask, cv::MORPH_OPEN, kernelSize(params.opening, pixel_scale));
