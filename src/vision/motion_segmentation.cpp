@@ -78,7 +78,8 @@ struct PassConstants {
         median_depth(static_cast<float>(median)),
         radar_factor(static_cast<float>(1.0 + params.radar_gain)),
         last_u(static_cast<float>(input.camera.width - 1)),
-        last_v(static_cast<float>(input.camera.height - 1)) {
+        last_v(static_cast<float>(input.camera.height - 1)),
+        predicted_in_view(params.predicted_in_view) {
     const double grid_std = params.foe_std / input.pixel_scale;
     const auto inverse_two_variance = static_cast<float>(1.0 / (2.0 * grid_std * grid_std));
     const auto foe =
@@ -96,6 +97,7 @@ struct PassConstants {
   motion_terms::PixelMotion motion;
   float pixel_scale, lambda, min_depth, max_depth, occlusion_margin, median_depth, radar_factor;
   float last_u, last_v;
+  bool predicted_in_view;
   std::vector<float> foe_columns, foe_rows;  // factors of the weight of the focus of expansion
 };
 
@@ -136,8 +138,9 @@ RADAR_DOT_VECTORISED void predictBlock(const PassConstants& pass, int row, int b
 }
 
 /// The depth residual, and what is excluded: flow_part becomes NaN.
-void lookUpDepth(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int count,
-                 const float* depths, const std::uint8_t* reliable, PixelBlock& block) {
+void lookUpDepth(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int row, int begin,
+                 int count, const float* depths, const float* flows, const std::uint8_t* reliable,
+                 PixelBlock& block) {
   namespace terms = motion_terms;
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -145,7 +148,13 @@ void lookUpDepth(const PassConstants& pass, const motion_terms::FloatImage& next
     const float u = block.u[k];
     const float v = block.v[k];
     const float depth_there = block.depth_there[k];
-    const bool in_view = depth_there > 0.0F && u >= 0.0F && v >= 0.0F && u <= pass.last_u && v <= pass.last_v;
+    // The flow must lead into the second image, and where asked for, the prediction too.
+    const float u_seen = static_cast<float>(begin + i) + flows[2 * i];
+    const float v_seen = static_cast<float>(row) + flows[2 * i + 1];
+    const bool in_view =
+        depth_there > 0.0F && u_seen >= 0.0F && v_seen >= 0.0F && u_seen <= pass.last_u &&
+        v_seen <= pass.last_v &&
+        (!pass.predicted_in_view || (u >= 0.0F && v >= 0.0F && u <= pass.last_u && v <= pass.last_v));
     if (!in_view || !isKnownDepth(depths[i], pass.max_depth) || (reliable != nullptr && reliable[i] == 0)) {
       block.flow_part[k] = kNaN;
       continue;
@@ -334,8 +343,8 @@ std::size_t MotionSegmenter::Workspace::score(const MotionInput& input, const Pa
     for (int begin = 0; begin < columns; begin += kBlock) {
       const int count = std::min(kBlock, columns - begin);
       predictBlock(pass, row, begin, count, depths + begin, flows + 2 * begin, block);
-      lookUpDepth(pass, next_depth, count, depths + begin, reliable == nullptr ? nullptr : reliable + begin,
-                  block);
+      lookUpDepth(pass, next_depth, row, begin, count, depths + begin, flows + 2 * begin,
+                  reliable == nullptr ? nullptr : reliable + begin, block);
       scoreBlock(pass, count, depths + begin, block, scores + begin);
     }
     for (int column = 0; footprint != nullptr && column < columns; ++column)

@@ -142,7 +142,9 @@ TEST(MotionSegmenter, StaticWorldIsEmpty) {
 TEST(MotionSegmenter, FindsWhatMovesAcross) {
   MotionInput input = wall();
   move(input, 40, 50, 30, {0.0F, 4.0F});
-  MotionSegmenter segmenter;
+  MotionParams params;
+  params.min_threshold = 0.5;
+  MotionSegmenter segmenter(params);
   const MotionResult& result = segmenter.segment(input);
   EXPECT_EQ(cv::countNonZero(result.mask), 900);
   EXPECT_EQ(cv::countNonZero(result.mask(cv::Rect(40, 50, 30, 30))), 900);
@@ -192,8 +194,9 @@ TEST(MotionSegmenter, EqualsTheLiteralReferenceBitForBit) {
     SCOPED_TRACE(seed);
     const MotionInput input = randomScene(seed);
     MotionParams params;
-    params.k = 2.0 + seed;
+    params.k = 2.0 + 0.5 * seed;
     params.min_threshold = 0.0;
+    params.predicted_in_view = seed % 2 == 0;
     const test::LiteralMotion expected = test::literalMotion(input, params);
     MotionSegmenter segmenter(params);
     const MotionResult& result = segmenter.segment(input);

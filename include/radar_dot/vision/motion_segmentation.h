@@ -16,7 +16,7 @@ namespace radar_dot {
 /// Parameters of MotionSegmenter. Lengths in px are px of the camera's full image; on a coarser grid they are
 /// scaled by MotionInput::pixel_scale.
 struct MotionParams {
-  double k = 6.0;          ///< MADs above the median, the paper's k
+  double k = 10.0;         ///< MADs above the median, the paper's k
   double lambda = 0.5;     ///< weight of the depth residual, the paper's lambda
   double min_depth = 1.0;  ///< m, the paper's Z_min: nearer pixels are tolerated like this depth
   double foe_std =
@@ -24,12 +24,17 @@ struct MotionParams {
   /// A predicted point farther than the depth seen there by this share of its own depth is hidden in the
   /// second image. Well above the depth errors, so that a mover that comes nearer is not taken for an
   /// occluder.
-  double occlusion_margin = 0.3;
+  double occlusion_margin = 0.5;
   double max_depth = 120.0;  ///< m; farther is unknown
   int opening = 5;           ///< px, diameter of the ellipse that removes isolated detections; 0 or 1 = off
   int closing = 9;           ///< px, diameter of the ellipse that fills gaps; 0 or 1 = off
-  /// A threshold below this score would cut into the noise of the flow where nearly everything agrees.
-  double min_threshold = 0.25;
+  /// Least threshold. A score of 2 is a residual of 4 px at the median depth: where nearly everything agrees,
+  /// MADs above the median would cut into the errors of flow and depth.
+  double min_threshold = 2.0;
+  /// Excludes pixels whose prediction leaves the image, as the paper's "out of bounds": flow is worst there.
+  /// With flow that knows itself what it cannot see (forward_backward, or exact), leave it off: a car that
+  /// drives along stays in view where a standing one would have left it.
+  bool predicted_in_view = true;
   /// Factor on the score within the footprint of dynamic radar returns is 1 + this; 0 = off.
   double radar_gain = 0.0;
   double radar_radius = 1.0;  ///< m, of the footprint of a dynamic return
@@ -68,9 +73,9 @@ struct MotionResult {
 /// elsewhere, or the depth found at p' is another one, the pixel moves by itself: its score
 ///     S = e_flow / sigma_flow + lambda e_depth / sigma_depth
 /// lies above median(S) + k MAD(S). The terms are in motion_terms.h. Where D_t is unknown at p' there is no
-/// depth residual, and the flow decides alone. Pixels without depth or reliable flow, those whose p' leaves
-/// the image or falls behind the camera, and those occluded in frame t take part in neither the median nor
-/// the mask.
+/// depth residual, and the flow decides alone. Pixels without depth or reliable flow, those
+/// whose flow leaves the image, whose prediction falls behind the camera (or outside of the image, see
+/// predicted_in_view), and those occluded in frame t take part in neither the median nor the mask.
 class MotionSegmenter {
  public:
   /// @throws std::invalid_argument as validate().

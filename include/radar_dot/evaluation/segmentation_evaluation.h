@@ -1,0 +1,96 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "radar_dot/dataset/instance_masks.h"
+#include "radar_dot/dataset/tables.h"
+#include "radar_dot/evaluation/annotation_labels.h"
+#include "radar_dot/radar/doppler_returns.h"
+#include "radar_dot/radar/ego_velocity.h"
+#include "radar_dot/vision/depth_estimator.h"
+#include "radar_dot/vision/motion_segmentation.h"
+#include "radar_dot/vision/optical_flow.h"
+
+namespace radar_dot::evaluation {
+
+/// What is evaluated, and with which parameters.
+struct SegmentationEvaluationOptions {
+  std::string channel = "CAM_FRONT";
+  /// "keyframes": a keyframe and the next one, as in the paper; "next": a keyframe and the image after it.
+  std::string pairs = "keyframes";
+  std::size_t max_pairs = 0;  ///< the first ones of each scene; 0 = all
+  /// A backend of makeOpticalFlow, "ground_truth" (of a simulated dataroot), or "files".
+  std::string flow = "dis";
+  /// A backend of makeDepthEstimator, "ground_truth", "noisy" (ground truth with the errors of a depth
+  /// network, see noisyDepth), or "files".
+  std::string depth = "radar_ground";
+  /// Folder with <stem of the first image>.png, for flow "files": KITTI's 16-bit PNG, px of its own grid.
+  std::string flow_directory;
+  /// Folder with <stem of the image>.png, for depth "files": 16-bit PNG, m * 256, 0 = unknown.
+  std::string depth_directory;
+  /// "radar": mean over the interval; "radar_start": at its begin, as in the paper; "ground_truth".
+  std::string velocity = "radar";
+  std::string rotation = "ground_truth";  ///< "ground_truth" (as in the paper), "radar"
+  int working_width = 800;                ///< px, of the grid of flow, depth and mask; 0 = that of the images
+  std::vector<std::string> radar_channels;  ///< empty = every radar of the scene
+  ExtractionParams extraction;
+  EgoVelocityParams estimator;
+  OpticalFlowParams optical_flow;
+  DepthParams depth_params;
+  MotionParams motion;
+  /// Movers whose residual of the true flow is smaller do not count (neither right nor wrong), px of the full
+  /// image; 0 = all count. Needs ground-truth flow and depth.
+  double min_true_residual = 0.0;
+  std::string mask_directory;  ///< <stem of the first image>.png of every mask; empty = not saved
+};
+
+/// Results of one scene, or of several merged by operator+=. Counts are pixels of all pairs.
+struct SegmentationReport {
+  std::string scene;
+  std::size_t frames = 0;          ///< pairs
+  std::size_t without_motion = 0;  ///< of them, refused by the velocity estimator: their mask is empty
+  Confusion pixels;
+  double seconds = 0.0;  ///< of the fused mask computation, summed over the pairs
+
+  double iou() const;                 ///< TP / (TP + FP + FN); NaN when there is neither mask nor truth
+  double falsePositiveShare() const;  ///< FP / (FP + TN): of the pixels that do not move
+  SegmentationReport& operator+=(const SegmentationReport& other);
+};
+
+/// None of the image pairs a scene needs is on disk.
+class NoImages : public dataset::DatasetError {
+ public:
+  using DatasetError::DatasetError;
+};
+
+/// Evaluates one scene. `progress` is called after every pair with (done, all).
+/// @throws NoImages where a scene has no pair of images on disk, dataset::DatasetError for missing or
+/// unreadable files, and std::invalid_argument for options that make
+///         no sense.
+SegmentationReport evaluateSegmentation(const dataset::Tables& tables, dataset::Index scene,
+                                        const std::vector<const dataset::InstanceMask*>& masks,
+                                        const SegmentationEvaluationOptions& options = {},
+                                        const std::function<void(std::size_t, std::size_t)>& progress = {});
+
+/// Plain-text table in the form of the paper's Table I; the last row is the overall result.
+std::string formatTable(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
+/// {"scenes": [{"scene", "frames", "iou", "precision", "recall", "f1", "true_positives", "false_positives",
+/// "false_negatives", "true_negatives", "without_motion", "seconds"}], "overall": {same keys}}. Figures that
+/// do not exist are null.
+std::string formatJson(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
+/// The same as columns.
+std::string formatCsv(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
+
+/// Reads files of formatJson and gives their scenes in order of their names.
+/// @throws std::runtime_error naming file and field for what is no such file, and for a scene that stands in
+/// two
+///         of them.
+std::vector<SegmentationReport> mergeJson(const std::vector<std::string>& files);
+
+}  // namespace radar_dot::evaluation

@@ -1,0 +1,67 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "radar_dot/vision/camera_intrinsics.h"
+
+namespace radar_dot {
+
+/// What a depth estimator may look at. The result lies on the grid of `camera`.
+struct DepthInput {
+  cv::Mat image;            ///< CV_8UC3 (BGR) or CV_8UC1 of the camera, any size; may be empty
+  CameraIntrinsics camera;  ///< of the grid that depth is wanted on
+  Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();
+  std::vector<Eigen::Vector3f> radar_points;  ///< m, base frame, at the time of the image
+  std::vector<Eigen::Vector3f> lidar_points;  ///< m, base frame, at the time of the image
+};
+
+/// Parameters of makeDepthEstimator.
+struct DepthParams {
+  std::string backend = "radar_ground";  ///< "radar_ground", "lidar"
+  double max_depth = 120.0;              ///< m; farther is unknown
+
+  // radar_ground
+  double ground_pitch = 0.0;   ///< rad, of the ground against the base frame's x-y plane; nose down positive
+  double ground_height = 0.0;  ///< m, of the ground in the base frame
+  double column_height = 3.5;  ///< m, of the upright column a radar return stands for
+  double column_half_width = 0.9;  ///< m, at least as wide as azimuth_std makes it
+  double azimuth_std = 0.0175;     ///< rad, 1 sigma of a radar bearing
+  /// m, of what is above the horizon and in no column where radar says nothing, and what radar columns in
+  /// about the same direction pull nearer; 0 leaves it unknown.
+  double background_depth = 60.0;
+  double background_angle = 0.06;  ///< rad, 1 sigma of "about the same direction"
+
+  // lidar
+  int completion_kernel = 15;  ///< px at 1600 px image width: largest gap between points that is filled
+};
+
+/// Metric depth (m along the optical axis, CV_32FC1) on the grid of the input's camera; NaN = unknown.
+class DepthEstimator {
+ public:
+  virtual ~DepthEstimator() = default;
+  /// @throws std::invalid_argument when what this estimator needs is not there, saying what.
+  virtual cv::Mat estimate(const DepthInput& input) = 0;
+};
+
+/// @throws std::invalid_argument for parameters that make no sense, or another backend, with the names at
+/// hand.
+std::unique_ptr<DepthEstimator> makeDepthEstimator(const DepthParams& params = {});
+std::vector<std::string> depthBackends();
+
+/// Depth of the ground plane (z = height in the base frame, turned by pitch about the base's y axis): NaN at
+/// and above the horizon and beyond max_depth.
+cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
+                    double height, double pitch, double max_depth);
+
+/// Depth of points seen by the camera, the nearest where several fall on one pixel; NaN elsewhere.
+cv::Mat projectedDepth(const std::vector<Eigen::Vector3f>& points_base, const CameraIntrinsics& camera,
+                       const Eigen::Isometry3d& T_base_from_camera, double max_depth);
+
+}  // namespace radar_dot

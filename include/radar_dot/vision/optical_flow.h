@@ -1,0 +1,74 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+namespace radar_dot {
+
+/// Optical flow on a grid that may be coarser than the images.
+struct FlowField {
+  cv::Mat
+      flow;  ///< CV_32FC2, px OF THIS GRID: pixel (u, v) of the first image is at (u, v) + flow in the second
+  cv::Mat valid;  ///< CV_8UC1 of the same size, 255 = reliable; empty: everything is
+};
+
+/// Parameters of makeOpticalFlow; a backend ignores what it does not know.
+struct OpticalFlowParams {
+  std::string backend = "dis";
+  /// px, width of the grid that flow is computed on; 0 = that of the images. DIS at half the resolution of a
+  /// 1600x900 camera costs a fifth and loses nothing on sharp images.
+  int working_width = 800;
+  /// "ultrafast", "fast", "medium": OpenCV's; "fine": finest scale 0, patch stride 3, 50 gradient-descent
+  /// and 10 variational iterations, three to six times as slow, and half the error.
+  std::string preset = "medium";
+  /// "none"; "temporal": starts from the flow of the pair before, for streams of images;
+  /// "expected": starts from the flow given as `expected`, for motion too large to be found from nothing.
+  std::string initialisation = "none";
+  /// Also computes the flow back, and marks pixels as not valid where the two do not close. Doubles the time.
+  /// What moves far is what closes least: masks get precise and incomplete.
+  bool forward_backward = false;
+  /// A pixel is valid where |f(p) + b(p + f(p))| <= absolute + relative (|f| + |b|), px of the grid.
+  double forward_backward_absolute = 1.0;
+  double forward_backward_relative = 0.05;
+};
+
+/// Dense optical flow between two images of equal size, CV_8UC3 (BGR) or CV_8UC1. Not thread-safe; may keep
+/// state of the pair before.
+class OpticalFlow {
+ public:
+  virtual ~OpticalFlow() = default;
+
+  /// @param expected  flow of a static world, CV_32FC2 on any grid in px of that grid, NaN where unknown; or
+  ///                  empty. Only a start value: it never appears in the result by itself.
+  /// @throws std::invalid_argument for empty images, other types, or sizes that differ.
+  virtual FlowField compute(const cv::Mat& first, const cv::Mat& second, const cv::Mat& expected) = 0;
+  FlowField compute(const cv::Mat& first, const cv::Mat& second) { return compute(first, second, {}); }
+  /// Forgets the pair before.
+  virtual void reset() {}
+};
+
+/// Makes the backend `params.backend`.
+/// @throws std::invalid_argument for parameters that make no sense, or a backend that is not there, with the
+///         names of those that are.
+std::unique_ptr<OpticalFlow> makeOpticalFlow(const OpticalFlowParams& params = {});
+
+/// Adds a backend, or replaces one, for every later makeOpticalFlow. Thread-safe.
+using OpticalFlowFactory = std::function<std::unique_ptr<OpticalFlow>(const OpticalFlowParams&)>;
+void registerOpticalFlow(const std::string& backend, OpticalFlowFactory factory);
+/// Names of the backends at hand, sorted.
+std::vector<std::string> opticalFlowBackends();
+
+/// 255 where forward and backward flow (CV_32FC2, same size) close: the paper's "unreliable correspondences"
+/// are the others. A pixel whose flow leaves the image, or is not finite, is not valid.
+cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
+                             double relative);
+
+/// Flow on another grid, bilinear, with its vectors scaled to px of that grid.
+cv::Mat resizeFlow(const cv::Mat& flow, const cv::Size& size);
+
+}  // namespace radar_dot

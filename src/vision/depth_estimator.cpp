@@ -1,0 +1,90 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/vision/depth_estimator.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "depth_backends.h"
+
+namespace radar_dot {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+void require(bool good, const char* name, double value, const char* wanted) {
+  if (!good) throw std::invalid_argument(fmt::format("depth: {} is {}, must be {}", name, value, wanted));
+}
+
+void validate(const DepthParams& params) {
+  const auto positive = [](const char* name, double value) {
+    require(std::isfinite(value) && value > 0.0, name, value, "positive");
+  };
+  positive("max_depth", params.max_depth);
+  require(std::abs(params.ground_pitch) < 0.5, "ground_pitch", params.ground_pitch,
+          "between -0.5 and 0.5 rad");
+  require(std::isfinite(params.ground_height), "ground_height", params.ground_height, "finite");
+  positive("column_height", params.column_height);
+  positive("column_half_width", params.column_half_width);
+  require(params.azimuth_std >= 0.0, "azimuth_std", params.azimuth_std, "zero or positive");
+  require(std::isfinite(params.background_depth) && params.background_depth >= 0.0, "background_depth",
+          params.background_depth, "zero or positive");
+  positive("background_angle", params.background_angle);
+  require(params.completion_kernel >= 1 && params.completion_kernel <= 199, "completion_kernel",
+          params.completion_kernel, "between 1 and 199 px");
+}
+
+}  // namespace
+
+std::unique_ptr<DepthEstimator> makeDepthEstimator(const DepthParams& params) {
+  validate(params);
+  if (params.backend == "radar_ground") return makeRadarGroundDepth(params);
+  if (params.backend == "lidar") return makeLidarDepth(params);
+  throw std::invalid_argument(
+      fmt::format("depth: no backend '{}'; there are: lidar, radar_ground", params.backend));
+}
+
+std::vector<std::string> depthBackends() { return {"lidar", "radar_ground"}; }
+
+cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
+                    double height, double pitch, double max_depth) {
+  // Points of the ray: c + s d. Ground: z = height + x tan(pitch). The ray has z = 1 in the camera frame, so
+  // s is depth.
+  const Eigen::Vector3d c = T_base_from_camera.translation();
+  const Eigen::Matrix3d& R = T_base_from_camera.linear();
+  const double slope = std::tan(pitch);
+  const double above = height + slope * c.x() - c.z();
+  cv::Mat depth(camera.height, camera.width, CV_32FC1);
+  for (int v = 0; v < camera.height; ++v) {
+    float* pixels = depth.ptr<float>(v);
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d d = R * camera.rayOf(u, v);
+      const double s = above / (d.z() - slope * d.x());
+      pixels[u] = s > 0.0 && s <= max_depth ? static_cast<float>(s) : kNaN;
+    }
+  }
+  return depth;
+}
+
+cv::Mat projectedDepth(const std::vector<Eigen::Vector3f>& points_base, const CameraIntrinsics& camera,
+                       const Eigen::Isometry3d& T_base_from_camera, double max_depth) {
+  const Eigen::Isometry3d T_camera_from_base = T_base_from_camera.inverse();
+  cv::Mat depth(camera.height, camera.width, CV_32FC1, cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
+  for (const Eigen::Vector3f& point : points_base) {
+    const Eigen::Vector3d seen = T_camera_from_base * point.cast<double>();
+    if (!(seen.z() > 0.0 && seen.z() <= max_depth)) continue;
+    const Eigen::Vector2d pixel = camera.project(seen);
+    if (!(pixel.x() > -0.5 && pixel.y() > -0.5 && pixel.x() < camera.width - 0.5 &&
+          pixel.y() < camera.height - 0.5))
+      continue;
+    float& nearest =
+        depth.at<float>(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x())));
+    if (!(nearest <= static_cast<float>(seen.z()))) nearest = static_cast<float>(seen.z());
+  }
+  return depth;
+}
+
+}  // namespace radar_dot

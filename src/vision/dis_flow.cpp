@@ -1,0 +1,188 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dis_flow.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <stdexcept>
+
+namespace radar_dot {
+namespace {
+
+/// Below this OpenCV's DIS chooses pyramids that read outside the image (4.6: ultrafast at 330 x 26 px).
+constexpr int kSmallestSide = 32;
+
+cv::Ptr<cv::DISOpticalFlow> makeDis(const std::string& preset) {
+  using Dis = cv::DISOpticalFlow;
+  if (preset == "ultrafast") return Dis::create(Dis::PRESET_ULTRAFAST);
+  if (preset == "fast") return Dis::create(Dis::PRESET_FAST);
+  if (preset == "medium") return Dis::create(Dis::PRESET_MEDIUM);
+  if (preset != "fine") {
+    throw std::invalid_argument(
+        fmt::format("optical flow: preset '{}' is not one of ultrafast, fast, medium, fine", preset));
+  }
+  cv::Ptr<Dis> dis = Dis::create(Dis::PRESET_MEDIUM);
+  dis->setFinestScale(0);
+  dis->setPatchStride(3);
+  dis->setGradientDescentIterations(50);
+  dis->setVariationalRefinementIterations(10);
+  return dis;
+}
+
+void requireImage(const cv::Mat& image, const char* name) {
+  if (image.empty()) throw std::invalid_argument(fmt::format("optical flow: the {} image is empty", name));
+  if (image.type() != CV_8UC3 && image.type() != CV_8UC1) {
+    throw std::invalid_argument(
+        fmt::format("optical flow: the {} image must be CV_8UC3 (BGR) or CV_8UC1", name));
+  }
+}
+
+void requireGrid(const cv::Size& grid) {
+  if (std::min(grid.width, grid.height) < kSmallestSide) {
+    throw std::invalid_argument(fmt::format(
+        "optical flow: a grid of {} x {} px is too small for dis, whose sides must be {} px or more; "
+        "use larger images or a larger working_width",
+        grid.width, grid.height, kSmallestSide));
+  }
+}
+
+/// Flow where it is not known is taken from its surroundings, so that a start value has no cracks.
+cv::Mat fillUnknown(const cv::Mat& flow) {
+  cv::Mat known = cv::Mat(flow.size(), CV_32FC1);
+  cv::Mat filled = flow.clone();
+  for (int row = 0; row < flow.rows; ++row) {
+    for (int column = 0; column < flow.cols; ++column) {
+      auto& vector = filled.at<cv::Vec2f>(row, column);
+      const bool finite = std::isfinite(vector[0]) && std::isfinite(vector[1]);
+      known.at<float>(row, column) = finite ? 1.0F : 0.0F;
+      if (!finite) vector = cv::Vec2f(0.0F, 0.0F);
+    }
+  }
+  cv::Mat sum;
+  cv::Mat weight;
+  const cv::Size window(flow.cols / 8 | 1, flow.rows / 8 | 1);
+  cv::boxFilter(filled, sum, -1, window);
+  cv::boxFilter(known, weight, -1, window);
+  for (int row = 0; row < flow.rows; ++row) {
+    for (int column = 0; column < flow.cols; ++column) {
+      if (known.at<float>(row, column) > 0.0F) continue;
+      const float w = weight.at<float>(row, column);
+      if (w > 1e-3F) filled.at<cv::Vec2f>(row, column) = sum.at<cv::Vec2f>(row, column) / w;
+    }
+  }
+  return filled;
+}
+
+/// The way back, at the pixels of the second image that the flow leads to; NaN at those that it does not.
+cv::Mat reversed(const cv::Mat& flow) {
+  cv::Mat back(flow.size(), CV_32FC2, cv::Scalar::all(std::nan("")));
+  for (int row = 0; row < flow.rows; ++row) {
+    for (int column = 0; column < flow.cols; ++column) {
+      const auto& vector = flow.at<cv::Vec2f>(row, column);
+      const float u = static_cast<float>(column) + vector[0];
+      const float v = static_cast<float>(row) + vector[1];
+      if (!(u > -0.5F && v > -0.5F && u < static_cast<float>(flow.cols) - 0.5F &&
+            v < static_cast<float>(flow.rows) - 0.5F))
+        continue;
+      // Where two lead to the same place, the one that moves more is usually the nearer.
+      auto& there = back.at<cv::Vec2f>(static_cast<int>(std::lround(v)), static_cast<int>(std::lround(u)));
+      if (!(there.dot(there) >= vector.dot(vector))) there = -vector;
+    }
+  }
+  return back;
+}
+
+/// The second image as it would look if every pixel went where `flow` says: pixel p shows second(p + flow).
+cv::Mat warpedBack(const cv::Mat& second, const cv::Mat& flow) {
+  cv::Mat map(flow.size(), CV_32FC2);
+  for (int row = 0; row < flow.rows; ++row) {
+    for (int column = 0; column < flow.cols; ++column) {
+      map.at<cv::Vec2f>(row, column) =
+          flow.at<cv::Vec2f>(row, column) + cv::Vec2f(static_cast<float>(column), static_cast<float>(row));
+    }
+  }
+  cv::Mat warped;
+  cv::remap(second, warped, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return warped;
+}
+
+class DisFlow : public OpticalFlow {
+ public:
+  explicit DisFlow(const OpticalFlowParams& params) : params_(params), dis_(makeDis(params.preset)) {}
+
+  FlowField compute(const cv::Mat& first, const cv::Mat& second, const cv::Mat& expected) override {
+    requireImage(first, "first");
+    requireImage(second, "second");
+    if (first.size() != second.size()) {
+      throw std::invalid_argument(
+          fmt::format("optical flow: the images have {} x {} and {} x {} px; they must agree", first.cols,
+                      first.rows, second.cols, second.rows));
+    }
+    const cv::Mat grey_first = onGrid(first);
+    const cv::Mat grey_second = onGrid(second);
+    requireGrid(grey_first.size());
+    const cv::Mat start = startValue(grey_first.size(), expected);
+    FlowField field;
+    field.flow = run(grey_first, grey_second, start);
+    if (params_.forward_backward) {
+      const cv::Mat backward =
+          run(grey_second, grey_first, start.empty() ? cv::Mat() : fillUnknown(reversed(start)));
+      field.valid = forwardBackwardValid(field.flow, backward, params_.forward_backward_absolute,
+                                         params_.forward_backward_relative);
+    }
+    if (params_.initialisation == "temporal") previous_ = field.flow.clone();
+    return field;
+  }
+
+  void reset() override { previous_.release(); }
+
+ private:
+  cv::Mat onGrid(const cv::Mat& image) const {
+    cv::Mat grey = image;
+    if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+    const int width = params_.working_width;
+    if (width <= 0 || width >= image.cols) return grey;
+    const int height =
+        std::max(1, static_cast<int>(std::lround(static_cast<double>(image.rows) * width / image.cols)));
+    cv::Mat small;
+    cv::resize(grey, small, cv::Size(width, height), 0.0, 0.0, cv::INTER_AREA);
+    return small;
+  }
+
+  cv::Mat startValue(const cv::Size& size, const cv::Mat& expected) const {
+    if (params_.initialisation == "temporal" && previous_.size() == size) return previous_;
+    if (params_.initialisation != "expected" || expected.empty()) return {};
+    if (expected.type() != CV_32FC2)
+      throw std::invalid_argument("optical flow: the expected flow must be CV_32FC2");
+    return resizeFlow(fillUnknown(expected), size);
+  }
+
+  /// Motion that the start value already explains is taken out of the second image; what remains is small.
+  cv::Mat run(const cv::Mat& first, const cv::Mat& second, const cv::Mat& start) {
+    cv::Mat flow;
+    if (start.empty()) {
+      dis_->calc(first, second, flow);
+      return flow;
+    }
+    dis_->calc(first, warpedBack(second, start), flow);
+    // Where the rest leads, the start value was the one of the pixel it leads to.
+    const cv::Mat start_there = warpedBack(start, flow);
+    return flow + start_there;
+  }
+
+  OpticalFlowParams params_;
+  cv::Ptr<cv::DISOpticalFlow> dis_;
+  cv::Mat previous_;
+};
+
+}  // namespace
+
+std::unique_ptr<OpticalFlow> makeDisFlow(const OpticalFlowParams& params) {
+  return std::make_unique<DisFlow>(params);
+}
+
+}  // namespace radar_dot

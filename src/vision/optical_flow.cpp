@@ -1,0 +1,134 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/vision/optical_flow.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "dis_flow.h"
+
+namespace radar_dot {
+namespace {
+
+struct Registry {
+  std::mutex mutex;
+  std::map<std::string, OpticalFlowFactory> factories = {{"dis", makeDisFlow}};
+};
+
+Registry& registry() {
+  static Registry instance;
+  return instance;
+}
+
+void requireFlow(const cv::Mat& flow, const char* name) {
+  if (flow.empty() || flow.type() != CV_32FC2)
+    throw std::invalid_argument(fmt::format("{}: must be a CV_32FC2 image that is not empty", name));
+}
+
+}  // namespace
+
+std::unique_ptr<OpticalFlow> makeOpticalFlow(const OpticalFlowParams& params) {
+  if (params.initialisation != "none" && params.initialisation != "temporal" &&
+      params.initialisation != "expected") {
+    throw std::invalid_argument(fmt::format(
+        "optical flow: initialisation '{}' is not one of none, temporal, expected", params.initialisation));
+  }
+  if (params.working_width < 0)
+    throw std::invalid_argument(fmt::format("optical flow: working_width is {}", params.working_width));
+  if (!(params.forward_backward_absolute >= 0.0) || !(params.forward_backward_relative >= 0.0))
+    throw std::invalid_argument("optical flow: the tolerances of forward_backward must be zero or positive");
+  OpticalFlowFactory factory;
+  {
+    Registry& known = registry();
+    const std::lock_guard<std::mutex> lock(known.mutex);
+    const auto found = known.factories.find(params.backend);
+    if (found != known.factories.end()) factory = found->second;
+  }
+  if (!factory) {
+    std::string names;
+    for (const std::string& name : opticalFlowBackends()) names += (names.empty() ? "" : ", ") + name;
+    throw std::invalid_argument(
+        fmt::format("optical flow: no backend '{}'; there are: {}", params.backend, names));
+  }
+  return factory(params);
+}
+
+void registerOpticalFlow(const std::string& backend, OpticalFlowFactory factory) {
+  if (backend.empty() || !factory)
+    throw std::invalid_argument("optical flow: a backend needs a name and a factory to be registered");
+  Registry& known = registry();
+  const std::lock_guard<std::mutex> lock(known.mutex);
+  known.factories[backend] = std::move(factory);
+}
+
+std::vector<std::string> opticalFlowBackends() {
+  Registry& known = registry();
+  const std::lock_guard<std::mutex> lock(known.mutex);
+  std::vector<std::string> names;
+  for (const auto& [name, factory] : known.factories) names.push_back(name);
+  return names;
+}
+
+cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
+                             double relative) {
+  requireFlow(forward, "forward flow");
+  requireFlow(backward, "backward flow");
+  if (forward.size() != backward.size())
+    throw std::invalid_argument("forward and backward flow have different sizes");
+  // Bilinear values of the backward flow where the forward flow leads; NaN beyond the border.
+  cv::Mat map(forward.size(), CV_32FC2);
+  for (int row = 0; row < forward.rows; ++row) {
+    const auto* flow = forward.ptr<cv::Vec2f>(row);
+    auto* to = map.ptr<cv::Vec2f>(row);
+    for (int column = 0; column < forward.cols; ++column)
+      to[column] = flow[column] + cv::Vec2f(static_cast<float>(column), static_cast<float>(row));
+  }
+  cv::Mat back;
+  cv::remap(backward, back, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::Mat valid(forward.size(), CV_8UC1);
+  const auto tolerance = static_cast<float>(absolute);
+  const auto share = static_cast<float>(relative);
+  const auto last_u = static_cast<float>(forward.cols - 1);
+  const auto last_v = static_cast<float>(forward.rows - 1);
+  for (int row = 0; row < forward.rows; ++row) {
+    const auto* f = forward.ptr<cv::Vec2f>(row);
+    const auto* b = back.ptr<cv::Vec2f>(row);
+    const auto* to = map.ptr<cv::Vec2f>(row);
+    auto* out = valid.ptr<std::uint8_t>(row);
+    for (int column = 0; column < forward.cols; ++column) {
+      const float x = f[column][0] + b[column][0];
+      const float y = f[column][1] + b[column][1];
+      const float length = std::sqrt(f[column].dot(f[column])) + std::sqrt(b[column].dot(b[column]));
+      const float u = to[column][0];
+      const float v = to[column][1];
+      const bool inside = u >= 0.0F && v >= 0.0F && u <= last_u && v <= last_v;  // false for NaN
+      out[column] = inside && std::sqrt(x * x + y * y) <= tolerance + share * length ? 255 : 0;
+    }
+  }
+  return valid;
+}
+
+cv::Mat resizeFlow(const cv::Mat& flow, const cv::Size& size) {
+  requireFlow(flow, "flow");
+  if (size.width <= 0 || size.height <= 0) {
+    throw std::invalid_argument(
+        fmt::format("flow cannot be resized to {} x {} px; give a size above zero", size.width, size.height));
+  }
+  if (flow.size() == size) return flow.clone();
+  cv::Mat resized;
+  cv::resize(flow, resized, size, 0.0, 0.0, cv::INTER_LINEAR);
+  cv::multiply(
+      resized,
+      cv::Scalar(static_cast<double>(size.width) / flow.cols, static_cast<double>(size.height) / flow.rows),
+      resized);
+  return resized;
+}
+
+}  // namespace radar_dot

@@ -1,0 +1,44 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "fixtures/nuscenes_fixture.h"
+#include "fixtures/tool_run.h"
+
+namespace radar_dot {
+namespace {
+
+void expectRefusal(const std::string& arguments, const std::string& part) {
+  test::expectOneLineRefusal(std::string(TOOL) + " " + arguments, "evaluate_segmentation", part);
+}
+
+TEST(EvaluateSegmentation, BadInputGetsOneLineAndANonZeroExit) {
+  const test::NuscenesFixture fixture;
+  const std::string dataroot = "--dataroot " + fixture.dataroot().string();
+  expectRefusal("", "--dataroot");
+  expectRefusal("--dataroot /nowhere", "/nowhere");
+  expectRefusal(dataroot + " --scenes scene-9999", "scene-9999");
+  expectRefusal(dataroot + " --jobs 0", "--jobs");
+  expectRefusal("--merge /nowhere.json", "/nowhere.json");
+  expectRefusal(dataroot + " --json same --csv same", "same file");
+}
+
+// The paper's score and the defaults, on real images, with whatever flow is at hand.
+TEST(EvaluateSegmentation, FindsRealMovers) {
+  const std::string dataroot = std::string(RADAR_DOT_SHARED_DATA) + "/nuscenes_mini_real";
+  if (!std::filesystem::exists(dataroot)) GTEST_SKIP() << dataroot << " is not there";
+  const std::filesystem::path csv =
+      std::filesystem::temp_directory_path() / "radar_dot_real_segmentation.csv";
+  const test::Outcome outcome = test::runCommand(std::string(TOOL) + " --dataroot " + dataroot +
+                                                 " --scenes scene-0103 --max-pairs 6 --csv " + csv.string());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("scene-0103"), std::string::npos) << outcome.text;
+  EXPECT_TRUE(std::filesystem::exists(csv));
+  std::filesystem::remove(csv);
+}
+
+}  // namespace
+}  // namespace radar_dot

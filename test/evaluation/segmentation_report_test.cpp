@@ -1,0 +1,90 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include "radar_dot/evaluation/segmentation_evaluation.h"
+
+namespace radar_dot::evaluation {
+namespace {
+
+SegmentationReport report(const std::string& scene, std::size_t tp, std::size_t fp, std::size_t fn,
+                          std::size_t tn) {
+  SegmentationReport result;
+  result.scene = scene;
+  result.frames = 3;
+  result.pixels = {tp, fp, fn, tn};
+  result.seconds = 0.25;
+  return result;
+}
+
+class SegmentationFiles : public ::testing::Test {
+ protected:
+  SegmentationFiles() { std::filesystem::create_directories(folder_); }
+  ~SegmentationFiles() override { std::filesystem::remove_all(folder_); }
+  std::string write(const std::string& name, const std::string& text) const {
+    const std::filesystem::path file = folder_ / name;
+    std::ofstream(file) << text;
+    return file.string();
+  }
+  std::filesystem::path folder_ = std::filesystem::temp_directory_path() / "radar_dot_segmentation_report";
+};
+
+TEST(SegmentationReport, FiguresByHand) {
+  const SegmentationReport result = report("a", 30, 10, 20, 940);
+  EXPECT_DOUBLE_EQ(result.iou(), 0.5);
+  EXPECT_DOUBLE_EQ(result.pixels.precision(), 0.75);
+  EXPECT_DOUBLE_EQ(result.pixels.recall(), 0.6);
+  EXPECT_DOUBLE_EQ(result.pixels.f1(), 2.0 * 0.75 * 0.6 / 1.35);
+  EXPECT_DOUBLE_EQ(result.falsePositiveShare(), 10.0 / 950.0);
+  EXPECT_TRUE(std::isnan(report("a", 0, 0, 0, 9).iou()));
+}
+
+// A large scene and a small one: the mean of 0.9 and 0.1 would be 0.5.
+TEST(SegmentationReport, PixelsAreSummedNotAveraged) {
+  SegmentationReport overall = report("large", 900, 50, 50, 0);
+  overall += report("small", 1, 4, 5, 0);
+  EXPECT_EQ(overall.frames, 6U);
+  EXPECT_DOUBLE_EQ(overall.iou(), 901.0 / 1010.0);
+}
+
+TEST_F(SegmentationFiles, MergedFilesGiveTheSameTable) {
+  const SegmentationReport a = report("scene-0002", 5, 6, 7, 8);
+  const SegmentationReport b = report("scene-0001", 0, 0, 0, 80);
+  const std::string first = write("a.json", formatJson({a}, a));
+  const std::string second = write("b.json", formatJson({b}, b));
+  EXPECT_NE(formatJson({b}, b).find("\"iou\": null"), std::string::npos);
+  const std::vector<SegmentationReport> merged = mergeJson({first, second});
+  ASSERT_EQ(merged.size(), 2U);
+  EXPECT_EQ(merged[0].scene, "scene-0001");
+  SegmentationReport overall = a;
+  overall += b;
+  EXPECT_EQ(formatTable(merged, overall), formatTable({b, a}, overall));
+  EXPECT_EQ(formatCsv(merged, overall), formatCsv({b, a}, overall));
+}
+
+TEST_F(SegmentationFiles, WrongFilesAreNamed) {
+  const SegmentationReport a = report("scene-0001", 1, 1, 1, 1);
+  const std::string good = write("good.json", formatJson({a}, a));
+  const auto expect = [](const std::vector<std::string>& files, const std::string& part) {
+    try {
+      mergeJson(files);
+      FAIL() << part;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  };
+  expect({good, good}, "scene-0001 also stands in");
+  expect({"/nowhere.json"}, "/nowhere.json: cannot be opened");
+  expect({write("cut.json", "{\"scenes\": [")}, "cut.json: byte");
+  expect({write("other.json", "{}")}, "has no list 'scenes'");
+  expect({write("field.json", "{\"scenes\": [{\"scene\": \"a\", \"frames\": -1}]}")}, "field 'frames'");
+}
+
+}  // namespace
+}  // namespace radar_dot::evaluation
