@@ -20,11 +20,11 @@ struct FlowField {
 /// Parameters of makeOpticalFlow; a backend ignores what it does not know.
 struct OpticalFlowParams {
   std::string backend = "dis";
-  /// px, width of the grid that flow is computed on; 0 = that of the images. DIS at half the resolution of a
-  /// 1600x900 camera costs a fifth and loses nothing on sharp images.
+  /// px, width of the grid that flow is computed on; 0 = that of the images. Half the resolution of a
+  /// 1600x900 camera costs a fifth, and on soft images loses little.
   int working_width = 800;
   /// "ultrafast", "fast", "medium": OpenCV's; "fine": finest scale 0, patch stride 3, 50 gradient-descent
-  /// and 10 variational iterations, three to six times as slow, and half the error.
+  /// and 10 variational iterations, three to six times as slow, with 0.6 to 0.8 of the error.
   std::string preset = "medium";
   /// "none"; "temporal": starts from the flow of the pair before, for streams of images;
   /// "expected": starts from the flow given as `expected`, for motion too large to be found from nothing.
@@ -45,7 +45,8 @@ class OpticalFlow {
 
   /// @param expected  flow of a static world, CV_32FC2 on any grid in px of that grid, NaN where unknown; or
   ///                  empty. Only a start value: it never appears in the result by itself.
-  /// @throws std::invalid_argument for empty images, other types, or sizes that differ.
+  /// @throws std::invalid_argument for empty images, other types, sizes that differ, or a grid with a side
+  /// under 32 px.
   virtual FlowField compute(const cv::Mat& first, const cv::Mat& second, const cv::Mat& expected) = 0;
   FlowField compute(const cv::Mat& first, const cv::Mat& second) { return compute(first, second, {}); }
   /// Forgets the pair before.
