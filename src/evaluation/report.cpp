@@ -4,13 +4,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -19,10 +16,10 @@
 #include <system_error>
 #include <utility>
 
+#include "report_format.h"
+
 namespace radar_dot::evaluation {
 namespace {
-
-using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
 
 Mean meanOf(const VelocityReport& report, const char* variant) {
   const auto found = report.mae.find(variant);
@@ -34,26 +31,7 @@ ModelErrors errorsOf(const VelocityReport& report, const char* model) {
   return found == report.models.end() ? ModelErrors{} : found->second;
 }
 
-/// A figure, or a dash where there is none.
-std::string figure(double value, int decimals = 3) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
-}
-
-void number(Writer& writer, const char* key, double value) {
-  writer.Key(key);
-  if (std::isfinite(value)) {
-    writer.Double(value);
-  } else {
-    writer.Null();
-  }
-}
-
-void count(Writer& writer, const char* key, std::size_t value) {
-  writer.Key(key);
-  writer.Uint64(value);
-}
-
-void writeTrajectory(Writer& writer, const char* key, const TrajectoryError& error) {
+void writeTrajectory(JsonWriter& writer, const char* key, const TrajectoryError& error) {
   writer.Key(key);
   writer.StartObject();
   number(writer, "ate_rmse", error.rootMeanSquare());
@@ -62,7 +40,7 @@ void writeTrajectory(Writer& writer, const char* key, const TrajectoryError& err
   writer.EndObject();
 }
 
-void writeReport(Writer& writer, const VelocityReport& report, bool overall) {
+void writeReport(JsonWriter& writer, const VelocityReport& report, bool overall) {
   writer.StartObject();
   if (!overall) {
     writer.Key("scene");
@@ -233,7 +211,7 @@ std::string formatTable(const std::vector<VelocityReport>& scenes, const Velocit
 
 std::string formatJson(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
   rapidjson::StringBuffer buffer;
-  Writer writer(buffer);
+  JsonWriter writer(buffer);
   writer.SetIndent(' ', 2);
   writer.SetMaxDecimalPlaces(6);
   writer.StartObject();

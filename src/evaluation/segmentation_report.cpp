@@ -4,8 +4,6 @@
 #include <rapidjson/document.h>
 #include <rapidjson/error/en.h>
 #include <rapidjson/istreamwrapper.h>
-#include <rapidjson/prettywriter.h>
-#include <rapidjson/stringbuffer.h>
 
 #include <algorithm>
 #include <array>
@@ -17,11 +15,10 @@
 #include <utility>
 
 #include "radar_dot/evaluation/segmentation_evaluation.h"
+#include "report_format.h"
 
 namespace radar_dot::evaluation {
 namespace {
-
-using Writer = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
 
 /// The counts of a report, as files name them.
 template <typename Report>
@@ -44,32 +41,23 @@ std::array<std::pair<const char*, double>, 5> figuresOf(const SegmentationReport
            {"false_positive_share", report.falsePositiveShare()}}};
 }
 
-std::string figure(double value) { return std::isfinite(value) ? fmt::format("{:.4f}", value) : "-"; }
-
 std::string row(const SegmentationReport& report, const std::string& name) {
   std::string line = fmt::format("{:<14}{:>7}", name, report.frames);
-  for (const auto& [key, value] : figuresOf(report)) line += fmt::format("{:>11}", figure(value));
+  for (const auto& [key, value] : figuresOf(report)) line += fmt::format("{:>11}", figure(value, 4));
   const double pairs = static_cast<double>(report.frames - report.without_motion);
-  line += fmt::format("{:>9}\n", pairs > 0.0 ? fmt::format("{:.1f}", 1e3 * report.seconds / pairs) : "-");
+  line += fmt::format("{:>9}\n", figure(1e3 * report.seconds / pairs, 1));
   return line;
 }
 
-void writeReport(Writer& writer, const SegmentationReport& report, bool overall) {
+void writeReport(JsonWriter& writer, const SegmentationReport& report, bool overall) {
   writer.StartObject();
   if (!overall) {
     writer.Key("scene");
     writer.String(report.scene.c_str());
   }
-  for (const auto& [key, value] : figuresOf(report)) {
-    writer.Key(key);
-    std::isfinite(value) ? writer.Double(value) : writer.Null();
-  }
-  for (const auto& [key, value] : countsOf(report)) {
-    writer.Key(key);
-    writer.Uint64(*value);
-  }
-  writer.Key("seconds");
-  writer.Double(report.seconds);
+  for (const auto& [key, value] : figuresOf(report)) number(writer, key, value);
+  for (const auto& [key, value] : countsOf(report)) count(writer, key, *value);
+  number(writer, "seconds", report.seconds);
   writer.EndObject();
 }
 
@@ -85,8 +73,10 @@ SegmentationReport readReport(const rapidjson::Value& value, const std::string& 
     if (!value.HasMember(key) || !value[key].IsUint64()) throw refuse(key, "a count");
     *target = value[key].GetUint64();
   }
+  if (report.without_motion > report.frames) throw refuse("without_motion", "at most 'frames'");
   if (!value.HasMember("seconds") || !value["seconds"].IsNumber()) throw refuse("seconds", "a number");
   report.seconds = value["seconds"].GetDouble();
+  if (report.seconds < 0.0) throw refuse("seconds", "0 or more");
   return report;
 }
 
@@ -121,7 +111,7 @@ std::string formatTable(const std::vector<SegmentationReport>& scenes, const Seg
 
 std::string formatJson(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall) {
   rapidjson::StringBuffer buffer;
-  Writer writer(buffer);
+  JsonWriter writer(buffer);
   writer.StartObject();
   writer.Key("scenes");
   writer.StartArray();
@@ -158,7 +148,8 @@ std::vector<SegmentationReport> mergeJson(const std::vector<std::string>& files)
     if (!stream) throw std::runtime_error(file + ": cannot be opened");
     rapidjson::IStreamWrapper wrapper(stream);
     rapidjson::Document document;
-    document.ParseStream(wrapper);
+    // Not recursive: a file nested deeply is an error, not the end of the stack.
+    document.ParseStream<rapidjson::kParseIterativeFlag>(wrapper);
     if (document.HasParseError()) {
       throw std::runtime_error(fmt::format("{}: byte {}: {}", file, document.GetErrorOffset(),
                                            rapidjson::GetParseError_En(document.GetParseError())));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <exception>
@@ -39,7 +40,8 @@ struct Arguments {
 
 void declareInputs(CLI::App& app, Arguments& arguments) {
   SegmentationEvaluationOptions& options = arguments.options;
-  app.add_option("--dataroot", arguments.dataroot, "Folder with the nuScenes tables and sensor files");
+  app.add_option("--dataroot", arguments.dataroot,
+                 "Folder with the nuScenes tables and sensor files; needed without --merge");
   app.add_option("--version", arguments.version, "Table folder")->capture_default_str();
   app.add_option("--scenes", arguments.scenes, "Scene names, comma-separated (default: all)")->delimiter(',');
   app.add_option("--channel", options.channel, "Camera")->capture_default_str();
@@ -49,6 +51,7 @@ void declareInputs(CLI::App& app, Arguments& arguments) {
                  "keyframes: to the next keyframe (the paper); next: to the next image")
       ->capture_default_str();
   app.add_option("--max-pairs", options.max_pairs, "The first ones of each scene; 0 = all")
+      ->check(CLI::Range(0, 1000000000))
       ->capture_default_str();
   app.add_option("--flow", options.flow, "dis, ground_truth, files")->capture_default_str();
   app.add_option("--flow-directory", options.flow_directory, "Folder of 16-bit PNG flows, for --flow files");
@@ -115,7 +118,8 @@ void declareOutputs(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_option("--merge", arguments.merge,
-                 "Results of other runs (--json) that become one table; nothing is run");
+                 "Results of other runs (--json) that become one table; nothing is run")
+      ->excludes("--dataroot");
 }
 
 /// Scenes on some threads; results in the order of the tables.
@@ -139,7 +143,8 @@ class Runner {
 
   std::vector<SegmentationReport> run() {
     std::vector<std::thread> threads;
-    for (int i = 0; i < arguments_.jobs; ++i) threads.emplace_back([this] { work(); });
+    const std::size_t jobs = std::min(static_cast<std::size_t>(arguments_.jobs), results_.size());
+    for (std::size_t i = 0; i < jobs; ++i) threads.emplace_back([this] { work(); });
     for (std::thread& thread : threads) thread.join();
     if (error_) std::rethrow_exception(error_);
     std::vector<SegmentationReport> reports;
@@ -202,7 +207,6 @@ class Runner {
 };
 
 std::vector<SegmentationReport> evaluateAll(const Arguments& arguments) {
-  if (arguments.dataroot.empty()) throw std::invalid_argument("--dataroot is missing (or --merge)");
   dataset::LoadOptions load;
   load.version = arguments.version;
   load.scenes = arguments.scenes;
@@ -252,6 +256,8 @@ int main(int argc, char** argv) {
   declareOutputs(app, arguments);
   try {
     app.parse(argc, argv);
+    if (arguments.dataroot.empty() && arguments.merge.empty())
+      throw CLI::RequiredError("--dataroot (or --merge)");
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {

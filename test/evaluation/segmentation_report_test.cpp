@@ -7,6 +7,8 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 
@@ -68,6 +70,47 @@ TEST_F(SegmentationFiles, MergedFilesGiveTheSameTable) {
   EXPECT_EQ(formatCsv(merged, overall), formatCsv({b, a}, overall));
 }
 
+TEST_F(SegmentationFiles, EveryCountComesBack) {
+  SegmentationReport one = report("scene-0001", 11, 12, 13, 14);
+  one.without_motion = 2;
+  one.seconds = 0.1;  // no finite binary fraction: only the shortest decimal brings it back
+  SegmentationReport two = report("scene-0002", 21, 22, 23, std::size_t{1} << 53U);
+  SegmentationReport overall = one;
+  overall += two;
+  const std::vector<SegmentationReport> read =
+      mergeJson({write("two.json", formatJson({one, two}, overall))});
+  ASSERT_EQ(read.size(), 2U);
+  for (const auto& [got, wanted] : {std::pair{read[0], one}, std::pair{read[1], two}}) {
+    EXPECT_EQ(got.scene, wanted.scene);
+    EXPECT_EQ(got.frames, wanted.frames);
+    EXPECT_EQ(got.without_motion, wanted.without_motion);
+    EXPECT_EQ(got.pixels.true_positives, wanted.pixels.true_positives);
+    EXPECT_EQ(got.pixels.false_positives, wanted.pixels.false_positives);
+    EXPECT_EQ(got.pixels.false_negatives, wanted.pixels.false_negatives);
+    EXPECT_EQ(got.pixels.true_negatives, wanted.pixels.true_negatives);
+    EXPECT_DOUBLE_EQ(got.seconds, wanted.seconds);
+  }
+}
+
+TEST_F(SegmentationFiles, EveryFieldIsCheckedByName) {
+  const SegmentationReport a = report("scene-0001", 1, 1, 1, 1);
+  const std::string text = formatJson({a}, a);
+  for (const std::string field : {"scene", "frames", "without_motion", "true_positives", "false_positives",
+                                  "false_negatives", "true_negatives", "seconds"}) {
+    std::string broken = text;
+    broken.replace(broken.find("\"" + field + "\":") + 1, field.size(), "other");
+    const std::string file = write(field + ".json", broken);
+    try {
+      mergeJson({file});
+      ADD_FAILURE() << field;
+    } catch (const std::runtime_error& error) {
+      const std::string message = error.what();
+      EXPECT_EQ(message.find(file), 0U) << message;
+      EXPECT_NE(message.find("'" + field + "'"), std::string::npos) << message;
+    }
+  }
+}
+
 TEST_F(SegmentationFiles, WrongFilesAreNamed) {
   const SegmentationReport a = report("scene-0001", 1, 1, 1, 1);
   const std::string good = write("good.json", formatJson({a}, a));
@@ -83,6 +126,14 @@ TEST_F(SegmentationFiles, WrongFilesAreNamed) {
   expect({"/nowhere.json"}, "/nowhere.json: cannot be opened");
   expect({write("cut.json", "{\"scenes\": [")}, "cut.json: byte");
   expect({write("other.json", "{}")}, "has no list 'scenes'");
+  expect({write("tail.json", formatJson({a}, a) + "x")}, "tail.json: byte");
+  expect({write("deep.json", std::string(1000000, '['))}, "deep.json: byte");
+  SegmentationReport impossible = a;
+  impossible.without_motion = impossible.frames + 1;
+  expect({write("more.json", formatJson({impossible}, a))}, "field 'without_motion'");
+  impossible = a;
+  impossible.seconds = -1.0;
+  expect({write("negative.json", formatJson({impossible}, a))}, "field 'seconds'");
   expect({write("field.json", "{\"scenes\": [{\"scene\": \"a\", \"frames\": -1}]}")}, "field 'frames'");
 }
 

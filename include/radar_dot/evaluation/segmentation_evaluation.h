@@ -80,17 +80,16 @@ SegmentationReport evaluateSegmentation(const dataset::Tables& tables, dataset::
 
 /// Plain-text table in the form of the paper's Table I; the last row is the overall result.
 std::string formatTable(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
-/// {"scenes": [{"scene", "frames", "iou", "precision", "recall", "f1", "true_positives", "false_positives",
-/// "false_negatives", "true_negatives", "without_motion", "seconds"}], "overall": {same keys}}. Figures that
-/// do not exist are null.
+/// {"scenes": [{"scene", "iou", "precision", "recall", "f1", "false_positive_share", "frames",
+/// "without_motion", "true_positives", "false_positives", "false_negatives", "true_negatives", "seconds"}],
+/// "overall": {same keys}}. Figures that do not exist are null.
 std::string formatJson(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
 /// The same as columns.
 std::string formatCsv(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
 
 /// Reads files of formatJson and gives their scenes in order of their names.
-/// @throws std::runtime_error naming file and field for what is no such file, and for a scene that stands in
-/// two
-///         of them.
+/// @throws std::runtime_error naming file and field for what is no such file, and naming both files for a
+///         scene that stands in two of them.
 std::vector<SegmentationReport> mergeJson(const std::vector<std::string>& files);
 
 }  // namespace radar_dot::evaluation
