@@ -21,6 +21,7 @@
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
 #include "radar_dot/evaluation/report.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
+#include "signal_watch.h"
 
 namespace {
 
@@ -159,9 +160,12 @@ class Runner {
   void work() {
     for (std::size_t scene = next_++; scene < results_.size() && !failed_; scene = next_++) {
       try {
-        results_[scene] = evaluateSegmentation(
-            tables_, static_cast<dataset::Index>(scene), by_scene_[scene], arguments_.options,
-            [this, scene](std::size_t done, std::size_t all) { report(scene, done, all); });
+        results_[scene] =
+            evaluateSegmentation(tables_, static_cast<dataset::Index>(scene), by_scene_[scene],
+                                 arguments_.options, [this, scene](std::size_t done, std::size_t all) {
+                                   signals_.check();  // between pairs, where no mask is half written
+                                   report(scene, done, all);
+                                 });
       } catch (const radar_dot::evaluation::NoImages& error) {
         // A dataroot may hold a part of the scenes; one that was asked for must be there.
         if (!arguments_.scenes.empty() || results_.size() == 1) {
@@ -195,6 +199,7 @@ class Runner {
 
   const dataset::Tables& tables_;
   const Arguments& arguments_;
+  radar_dot::tools::SignalWatch signals_;
   std::vector<std::vector<const dataset::InstanceMask*>> by_scene_;
   std::vector<std::optional<SegmentationReport>> results_;
   std::vector<std::pair<std::size_t, std::size_t>> progress_;  // done, all; by scene
@@ -266,6 +271,9 @@ int main(int argc, char** argv) {
   }
   try {
     return run(arguments);
+  } catch (const radar_dot::tools::Interrupted& interrupt) {
+    fmt::print(stderr, "evaluate_segmentation: interrupted; no results are written\n");
+    return radar_dot::tools::kSignalBase + interrupt.signal;
   } catch (const std::exception& error) {
     fmt::print(stderr, "evaluate_segmentation: {}\n", error.what());
     return 1;
