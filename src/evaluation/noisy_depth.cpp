@@ -70,10 +70,11 @@ cv::Mat bled(const cv::Mat& depth, int width) {
 cv::Mat noisyDepth(const cv::Mat& true_depth, const NoisyDepthParams& params, std::uint64_t seed) {
   if (true_depth.empty() || true_depth.type() != CV_32FC1)
     throw std::invalid_argument("noisy depth: the true depth must be a CV_32FC1 image that is not empty");
-  if (!(params.relative_std >= 0.0) || !(params.hole_share >= 0.0 && params.hole_share <= 1.0) ||
-      params.cell < 1 || params.bleeding < 0)
+  if (!(params.relative_std >= 0.0) || !(params.growth >= 0.0) ||
+      !(params.hole_share >= 0.0 && params.hole_share <= 1.0) || params.cell < 1 || params.bleeding < 0)
     throw std::invalid_argument(
-        "noisy depth: relative_std and bleeding must not be negative, cell positive, hole_share between 0 "
+        "noisy depth: relative_std, growth and bleeding must not be negative, cell positive, hole_share "
+        "between 0 "
         "and 1");
   Uniform uniform(seed);
   cv::Mat depth = bled(true_depth, scaled(params.bleeding, true_depth));
@@ -81,7 +82,11 @@ cv::Mat noisyDepth(const cv::Mat& true_depth, const NoisyDepthParams& params, st
   for (int row = 0; row < depth.rows; ++row) {
     for (int column = 0; column < depth.cols; ++column) {
       float& d = depth.at<float>(row, column);
-      d *= std::exp(static_cast<float>(params.relative_std) * field.at<float>(row, column));
+      if (!(d > 0.0F)) continue;
+      const double sigma =
+          params.relative_std *
+          std::pow(static_cast<double>(d) / NoisyDepthParams::kReferenceDepth, params.growth);
+      d *= static_cast<float>(std::exp(sigma * static_cast<double>(field.at<float>(row, column))));
     }
   }
   const int radius = scaled(params.cell / 8, depth);

@@ -103,6 +103,8 @@ void declareMethod(CLI::App& app, SegmentationEvaluationOptions& options) {
                "Exclude pixels whose flow there and back does not close (default: off)");
   radar_dot::DepthParams& depth = options.depth_params;
   app.add_option("--ground-pitch", depth.ground_pitch, "rad (radar_ground)")->capture_default_str();
+  app.add_flag("--image-edges", depth.image_edges,
+               "Move the borders of columns to edges of the image (radar_ground)");
   app.add_option("--column-height", depth.column_height, "m (radar_ground)")->capture_default_str();
   app.add_option("--column-half-width", depth.column_half_width, "m (radar_ground)")->capture_default_str();
   app.add_option("--background-depth", depth.background_depth, "m (radar_ground); 0 = unknown")

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace radar_dot {
 namespace {
@@ -52,6 +53,7 @@ TEST(RadarGround, ReturnsStandUpright) {
   in.radar_points = {{21.0F, 0.0F, 9.0F}, {11.0F, -4.0F, 0.5F}};  // 20 m and 10 m before the camera
   DepthParams params;
   params.background_depth = 0.0;
+  params.column_height = 3.5;
   const cv::Mat depth = makeDepthEstimator(params)->estimate(in);
   EXPECT_FLOAT_EQ(depth.at<float>(100, 200), 20.0F);
   EXPECT_FLOAT_EQ(depth.at<float>(130, 200), 20.0F);           // its foot
@@ -73,10 +75,41 @@ TEST(RadarGround, NearerColumnsHideFartherOnes) {
 TEST(RadarGround, BackgroundComesNearerWhereRadarSeesSomething) {
   DepthInput in = input();
   in.radar_points = {{11.0F, -4.0F, 0.5F}};
-  const cv::Mat depth = makeDepthEstimator()->estimate(in);
+  DepthParams params;
+  params.background_depth = 60.0;
+  params.background_angle = 0.06;
+  const cv::Mat depth = makeDepthEstimator(params)->estimate(in);
   EXPECT_NEAR(depth.at<float>(5, 20), 60.0, 0.5);
+  EXPECT_NEAR(depth.at<float>(106, 20), 60.0, 0.5);   // ground at 100 m is behind it
+  EXPECT_NEAR(depth.at<float>(112, 20), 50.0, 1e-3);  // ground at 50 m is before it
   EXPECT_LT(depth.at<float>(5, 360), 15.0);
   EXPECT_GT(depth.at<float>(5, 360), 10.0);
+}
+
+// A bright box, narrower on the left and higher than the column expected: 36 px wide and 32 px high.
+TEST(RadarGround, ColumnsEndAtEdgesOfTheImage) {
+  DepthInput in = input();
+  in.radar_points = {{21.0F, 0.0F, 0.0F}};
+  in.image = cv::Mat(kCamera.height, kCamera.width, CV_8UC3, cv::Scalar::all(60));
+  in.image(cv::Rect(cv::Point(190, 90), cv::Point(218, 131))).setTo(cv::Scalar::all(200));
+  DepthParams params;
+  params.background_depth = 0.0;
+  const auto known = [&](int v, int u) {
+    return makeDepthEstimator(params)->estimate(in).at<float>(v, u) == 20.0F;
+  };
+  EXPECT_TRUE(known(105, 184));
+  EXPECT_FALSE(known(92, 200));
+  params.image_edges = true;
+  EXPECT_FALSE(known(105, 186));
+  EXPECT_TRUE(known(105, 193));
+  EXPECT_TRUE(known(105, 215));
+  EXPECT_FALSE(known(105, 222));
+  EXPECT_TRUE(known(92, 200));
+  EXPECT_FALSE(known(86, 200));
+  in.image = cv::Mat();  // nothing to move to
+  EXPECT_TRUE(known(105, 184));
+  in.image = cv::Mat(3, 3, CV_32FC1, cv::Scalar(0.0));
+  EXPECT_THROW(known(105, 184), std::invalid_argument);
 }
 
 TEST(RadarGround, BadReturnsAreLeftOut) {
@@ -109,11 +142,71 @@ TEST(LidarDepth, ClosesGapsAndLeavesTheSkyOpen) {
   }
   DepthParams params;
   params.backend = "lidar";
-  params.completion_kernel = 60;
   const cv::Mat depth = makeDepthEstimator(params)->estimate(in);
   EXPECT_NEAR(depth.at<float>(103, 103), 25.0, 0.01);
   EXPECT_NEAR(depth.at<float>(103, 211), 10.0, 0.01);
   EXPECT_TRUE(std::isnan(depth.at<float>(20, 200)));
+}
+
+/// Points of a 32-beam lidar on a wall: beams 1.33 degrees apart, points 0.33 degrees.
+std::vector<Eigen::Vector3f> sweepOfWall(double distance) {
+  std::vector<Eigen::Vector3f> points;
+  for (int beam = -10; beam <= 4; ++beam) {
+    for (int step = -60; step <= 60; ++step) {
+      const double azimuth = step * 0.33 * 0.0174533;
+      const double y = distance * std::tan(azimuth);
+      const double z = 1.5 + std::hypot(distance, y) * std::tan(beam * 1.33 * 0.0174533);
+      points.emplace_back(Eigen::Vector3d(1.0 + distance, y, z).cast<float>());
+    }
+  }
+  return points;
+}
+
+// Defaults close the gaps between the beams of a common lidar, at every width of the grid.
+TEST(LidarDepth, DefaultsCloseTheGapsBetweenBeams) {
+  for (const int width : {640, 800, 1600}) {
+    DepthInput in = input();
+    in.camera = CameraIntrinsics{1266.0, 1266.0, 800.0, 450.0, 1600, 900}.scaledTo(width, width * 9 / 16);
+    in.lidar_points = sweepOfWall(20.0);
+    DepthParams params;
+    params.backend = "lidar";
+    const cv::Mat depth = makeDepthEstimator(params)->estimate(in);
+    const cv::Rect inside(width * 3 / 8, width / 4, width / 4, width / 8);
+    double nearest = 0.0, farthest = 0.0;
+    EXPECT_EQ(cv::countNonZero(depth(inside) == depth(inside)), inside.area()) << width;
+    cv::minMaxLoc(depth(inside), &nearest, &farthest);
+    EXPECT_NEAR(nearest, 20.0, 0.01) << width;
+    EXPECT_NEAR(farthest, 20.0, 0.01) << width;
+    EXPECT_EQ(cv::countNonZero(depth.rowRange(0, width / 8) == depth.rowRange(0, width / 8)), 0) << width;
+  }
+}
+
+// A slanted plane is linear in inverse depth, so that what is between the points is exact.
+TEST(LidarDepth, RoadsStayFlat) {
+  DepthInput in = input();
+  for (int v = 140; v <= 300; v += 8)
+    for (int u = 0; u <= 400; u += 2)
+      in.lidar_points.push_back((mount() * (600.0 / (v - 100) * kCamera.rayOf(u, v))).cast<float>());
+  DepthParams params;
+  params.backend = "lidar";
+  const cv::Mat depth = makeDepthEstimator(params)->estimate(in);
+  for (const int v : {160, 175, 190, 230, 270}) {
+    const double truth = 600.0 / (v - 100);
+    EXPECT_NEAR(depth.at<float>(v, 200), truth, 0.03 * truth) << v;
+  }
+}
+
+TEST(LidarDepth, WideGapsStayOpen) {
+  DepthInput in = input();
+  for (int u = 0; u <= 400; u += 2) {
+    in.lidar_points.push_back((mount() * (10.0 * kCamera.rayOf(u, 100))).cast<float>());
+    in.lidar_points.push_back((mount() * (10.0 * kCamera.rayOf(u, 160))).cast<float>());
+  }
+  DepthParams params;
+  params.backend = "lidar";
+  EXPECT_TRUE(std::isnan(makeDepthEstimator(params)->estimate(in).at<float>(130, 200)));
+  params.completion_kernel = 199;  // 49 px here
+  EXPECT_TRUE(std::isnan(makeDepthEstimator(params)->estimate(in).at<float>(130, 200)));
 }
 
 TEST(DepthEstimator, RefusalsSayWhatIsWrong) {

@@ -30,16 +30,21 @@ struct DepthParams {
   // radar_ground
   double ground_pitch = 0.0;   ///< rad, of the ground against the base frame's x-y plane; nose down positive
   double ground_height = 0.0;  ///< m, of the ground in the base frame
-  double column_height = 3.5;  ///< m, of the upright column a radar return stands for
+  double column_height = 1.6;  ///< m, of the upright column a radar return stands for
   double column_half_width = 0.9;  ///< m, at least as wide as azimuth_std makes it
   double azimuth_std = 0.0175;     ///< rad, 1 sigma of a radar bearing
+  /// Moves the borders of columns to edges of the image: heights between 0.6 and 2 times, widths between 0.4
+  /// and 1.6 times the expected one. Without an image there is nothing to move to.
+  bool image_edges = false;
   /// m, of what is above the horizon and in no column where radar says nothing, and what radar columns in
-  /// about the same direction pull nearer; 0 leaves it unknown.
-  double background_depth = 60.0;
-  double background_angle = 0.06;  ///< rad, 1 sigma of "about the same direction"
+  /// about the same direction pull nearer; it hides the ground behind it. 0 leaves it unknown.
+  double background_depth = 40.0;
+  double background_angle = 0.1;  ///< rad, 1 sigma of "about the same direction"
 
   // lidar
-  int completion_kernel = 15;  ///< px at 1600 px image width: largest gap between points that is filled
+  /// px at 1600 px image width: largest gap between points that is filled. Beams of a 32-beam lidar are
+  /// 30 px apart.
+  int completion_kernel = 40;
 };
 
 /// Metric depth (m along the optical axis, CV_32FC1) on the grid of the input's camera; NaN = unknown.
