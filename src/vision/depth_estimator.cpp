@@ -9,32 +9,27 @@
 #include <stdexcept>
 
 #include "depth_backends.h"
+#include "parameter_checks.h"
 
 namespace radar_dot {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-void require(bool good, const char* name, double value, const char* wanted) {
-  if (!good) throw std::invalid_argument(fmt::format("depth: {} is {}, must be {}", name, value, wanted));
-}
-
 void validate(const DepthParams& params) {
-  const auto positive = [](const char* name, double value) {
-    require(std::isfinite(value) && value > 0.0, name, value, "positive");
-  };
-  positive("max_depth", params.max_depth);
-  require(std::abs(params.ground_pitch) < 0.5, "ground_pitch", params.ground_pitch,
-          "between -0.5 and 0.5 rad");
-  require(std::isfinite(params.ground_height), "ground_height", params.ground_height, "finite");
-  positive("column_height", params.column_height);
-  positive("column_half_width", params.column_half_width);
-  require(params.azimuth_std >= 0.0, "azimuth_std", params.azimuth_std, "zero or positive");
-  require(std::isfinite(params.background_depth) && params.background_depth >= 0.0, "background_depth",
-          params.background_depth, "zero or positive");
-  positive("background_angle", params.background_angle);
-  require(params.completion_kernel >= 1 && params.completion_kernel <= 199, "completion_kernel",
-          params.completion_kernel, "between 1 and 199 px");
+  const ParameterChecks checks("depth");
+  checks.positive("max_depth", params.max_depth);
+  checks.require(std::abs(params.ground_pitch) < 0.5, "ground_pitch", params.ground_pitch,
+                 "between -0.5 and 0.5 rad");
+  checks.require(std::isfinite(params.ground_height), "ground_height", params.ground_height, "finite");
+  checks.positive("column_height", params.column_height);
+  checks.positive("column_half_width", params.column_half_width);
+  checks.require(params.azimuth_std >= 0.0, "azimuth_std", params.azimuth_std, "zero or positive");
+  checks.require(std::isfinite(params.background_depth) && params.background_depth >= 0.0, "background_depth",
+                 params.background_depth, "zero or positive");
+  checks.positive("background_angle", params.background_angle);
+  checks.require(params.completion_kernel >= 1 && params.completion_kernel <= 199, "completion_kernel",
+                 params.completion_kernel, "between 1 and 199 px");
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <opencv2/video/tracking.hpp>
 #include <stdexcept>
 
+#include "warp.h"
+
 namespace radar_dot {
 namespace {
 
@@ -96,20 +98,6 @@ cv::Mat reversed(const cv::Mat& flow) {
   return back;
 }
 
-/// The second image as it would look if every pixel went where `flow` says: pixel p shows second(p + flow).
-cv::Mat warpedBack(const cv::Mat& second, const cv::Mat& flow) {
-  cv::Mat map(flow.size(), CV_32FC2);
-  for (int row = 0; row < flow.rows; ++row) {
-    for (int column = 0; column < flow.cols; ++column) {
-      map.at<cv::Vec2f>(row, column) =
-          flow.at<cv::Vec2f>(row, column) + cv::Vec2f(static_cast<float>(column), static_cast<float>(row));
-    }
-  }
-  cv::Mat warped;
-  cv::remap(second, warped, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return warped;
-}
-
 class DisFlow : public OpticalFlow {
  public:
   explicit DisFlow(const OpticalFlowParams& params) : params_(params), dis_(makeDis(params.preset)) {}
@@ -168,9 +156,9 @@ class DisFlow : public OpticalFlow {
       dis_->calc(first, second, flow);
       return flow;
     }
-    dis_->calc(first, warpedBack(second, start), flow);
+    dis_->calc(first, warpedBack(second, targetsOf(start)), flow);
     // Where the rest leads, the start value was the one of the pixel it leads to.
-    const cv::Mat start_there = warpedBack(start, flow);
+    const cv::Mat start_there = warpedBack(start, targetsOf(flow));
     return flow + start_there;
   }
 

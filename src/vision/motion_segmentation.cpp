@@ -3,19 +3,19 @@
 #include "radar_dot/vision/motion_segmentation.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "exact_selection.h"
+#include "motion_images.h"
+#include "parallel_rows.h"
+#include "parameter_checks.h"
 #include "radar_dot/vision/motion_terms.h"
 
 namespace radar_dot {
@@ -27,8 +27,6 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFootprintBelow = 0.5F;
 constexpr float kFootprintAbove = 1.5F;
 
-constexpr int kRowsPerTask = 16;
-
 // The loops over pixels exist twice, for processors with and without AVX2; the processor at hand chooses.
 // Both round alike. Sanitizers start later than that choice.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
@@ -37,23 +35,7 @@ constexpr int kRowsPerTask = 16;
 #define RADAR_DOT_VECTORISED
 #endif
 
-void require(bool good, const char* name, double value, const char* wanted) {
-  if (!good)
-    throw std::invalid_argument(
-        fmt::format("motion segmentation: {} is {}, must be {}", name, value, wanted));
-}
-
-void requireImage(const cv::Mat& image, int type, const CameraIntrinsics& camera, const char* name,
-                  const char* type_name) {
-  if (image.type() != type) {
-    throw std::invalid_argument(fmt::format("motion segmentation: {} must be {}", name, type_name));
-  }
-  if (image.cols != camera.width || image.rows != camera.height) {
-    throw std::invalid_argument(
-        fmt::format("motion segmentation: {} is {} x {} px, the grid of the camera {} x {}", name, image.cols,
-                    image.rows, camera.width, camera.height));
-  }
-}
+const ParameterChecks kChecks("motion segmentation");
 
 /// An odd kernel of the grid for a diameter given in px of the full image.
 int kernelSize(int diameter, double pixel_scale) {
@@ -194,11 +176,7 @@ using Histograms = tbb::enumerable_thread_specific<FloatHistogram>;
 template <typename Row>
 const FloatHistogram& overRows(int rows, Histograms& locals, FloatHistogram& sum, const Row& row) {
   for (FloatHistogram& local : locals) local.clear();
-  tbb::parallel_for(tbb::blocked_range<int>(0, rows, kRowsPerTask),
-                    [&](const tbb::blocked_range<int>& range) {
-                      FloatHistogram& local = locals.local();
-                      for (int i = range.begin(); i < range.end(); ++i) row(i, local);
-                    });
+  parallelRows(rows, [&](int i) { row(i, locals.local()); });
   sum.clear();
   for (const FloatHistogram& local : locals) sum += local;
   return sum;
@@ -212,17 +190,14 @@ float medianOf(const cv::Mat& image, const FloatHistogram& histogram, std::size_
   if (count == 0) return 0.0F;
   const FloatHistogram::Place place = histogram.placeOf(count / 2);
   for (std::vector<float>& local : locals) local.clear();
-  tbb::parallel_for(tbb::blocked_range<int>(0, image.rows, kRowsPerTask),
-                    [&](const tbb::blocked_range<int>& range) {
-                      std::vector<float>& local = locals.local();
-                      for (int row = range.begin(); row < range.end(); ++row) {
-                        const float* pixels = image.ptr<float>(row);
-                        for (int column = 0; column < image.cols; ++column) {
-                          const float x = value(pixels[column]);
-                          if (FloatHistogram::binOf(x) == place.bin) local.push_back(x);
-                        }
-                      }
-                    });
+  parallelRows(image.rows, [&](int row) {
+    std::vector<float>& local = locals.local();
+    const float* pixels = image.ptr<float>(row);
+    for (int column = 0; column < image.cols; ++column) {
+      const float x = value(pixels[column]);
+      if (FloatHistogram::binOf(x) == place.bin) local.push_back(x);
+    }
+  });
   candidates.clear();
   for (const std::vector<float>& local : locals)
     candidates.insert(candidates.end(), local.begin(), local.end());
@@ -233,46 +208,21 @@ float medianOf(const cv::Mat& image, const FloatHistogram& histogram, std::size_
 
 }  // namespace
 
-namespace motion_terms {
-
-PixelMotion::PixelMotion(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_current_from_previous) {
-  const Eigen::Matrix3d k = camera.matrix();
-  const Eigen::Matrix3d homography = k * T_current_from_previous.linear() * k.inverse();
-  const Eigen::Vector3d shift = k * T_current_from_previous.translation();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) H[i][j] = static_cast<float>(homography(i, j));
-    h[i] = static_cast<float>(shift(i));
-  }
-}
-
-std::optional<Eigen::Vector2d> focusOfExpansion(const CameraIntrinsics& camera,
-                                                const Eigen::Vector3d& translation) {
-  constexpr double kLeast = 0.01;  // m along the axis; less is standing, and its direction noise
-  if (!(std::abs(translation.z()) >= kLeast)) return std::nullopt;
-  return camera.project(translation);
-}
-
-}  // namespace motion_terms
-
 void validate(const MotionParams& params) {
-  const auto positive = [](const char* name, double value) {
-    require(std::isfinite(value) && value > 0.0, name, value, "positive");
-  };
-  const auto not_negative = [](const char* name, double value) {
-    require(std::isfinite(value) && value >= 0.0, name, value, "zero or positive");
-  };
-  not_negative("k", params.k);
-  not_negative("lambda", params.lambda);
-  positive("min_depth", params.min_depth);
-  positive("foe_std", params.foe_std);
-  positive("max_depth", params.max_depth);
-  require(params.occlusion_margin >= 0.0 && params.occlusion_margin <= 1.0, "occlusion_margin",
-          params.occlusion_margin, "between 0 and 1");
-  require(params.opening >= 0 && params.opening <= 999, "opening", params.opening, "between 0 and 999 px");
-  require(params.closing >= 0 && params.closing <= 999, "closing", params.closing, "between 0 and 999 px");
-  not_negative("min_threshold", params.min_threshold);
-  not_negative("radar_gain", params.radar_gain);
-  positive("radar_radius", params.radar_radius);
+  kChecks.notNegative("k", params.k);
+  kChecks.notNegative("lambda", params.lambda);
+  kChecks.positive("min_depth", params.min_depth);
+  kChecks.positive("foe_std", params.foe_std);
+  kChecks.positive("max_depth", params.max_depth);
+  kChecks.require(params.occlusion_margin >= 0.0 && params.occlusion_margin <= 1.0, "occlusion_margin",
+                  params.occlusion_margin, "between 0 and 1");
+  kChecks.require(params.opening >= 0 && params.opening <= 999, "opening", params.opening,
+                  "between 0 and 999 px");
+  kChecks.require(params.closing >= 0 && params.closing <= 999, "closing", params.closing,
+                  "between 0 and 999 px");
+  kChecks.notNegative("min_threshold", params.min_threshold);
+  kChecks.notNegative("radar_gain", params.radar_gain);
+  kChecks.positive("radar_radius", params.radar_radius);
 }
 
 struct MotionSegmenter::Workspace {
@@ -372,13 +322,10 @@ void MotionSegmenter::Workspace::threshold(const MotionParams& params, double pi
 
   result.mask.create(scores.size(), CV_8UC1);
   result.valid.create(scores.size(), CV_8UC1);
-  tbb::parallel_for(tbb::blocked_range<int>(0, scores.rows, kRowsPerTask),
-                    [&](const tbb::blocked_range<int>& range) {
-                      for (int row = range.begin(); row < range.end(); ++row) {
-                        thresholdRow(scores.ptr<float>(row), scores.cols, tau,
-                                     result.mask.ptr<std::uint8_t>(row), result.valid.ptr<std::uint8_t>(row));
-                      }
-                    });
+  parallelRows(scores.rows, [&](int row) {
+    thresholdRow(scores.ptr<float>(row), scores.cols, tau, result.mask.ptr<std::uint8_t>(row),
+                 result.valid.ptr<std::uint8_t>(row));
+  });
   morphology(result.mask, cv::MORPH_OPEN, kernelSize(params.opening, pixel_scale));
   morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.closing, pixel_scale));
   // Closing reaches over excluded pixels, of which nothing is known.
@@ -387,10 +334,10 @@ void MotionSegmenter::Workspace::threshold(const MotionParams& params, double pi
 
 const MotionResult& MotionSegmenter::segment(const MotionInput& input) {
   const CameraIntrinsics& camera = input.camera;
-  require(camera.width >= 2 && camera.height >= 2, "width of the camera's grid", camera.width,
-          "2 px or more");
-  require(input.pixel_scale > 0.0 && std::isfinite(input.pixel_scale), "pixel_scale", input.pixel_scale,
-          "positive");
+  kChecks.require(camera.width >= 2 && camera.height >= 2, "width of the camera's grid", camera.width,
+                  "2 px or more");
+  kChecks.require(input.pixel_scale > 0.0 && std::isfinite(input.pixel_scale), "pixel_scale",
+                  input.pixel_scale, "positive");
   if (!input.T_current_from_previous.matrix().allFinite()) {
     throw std::invalid_argument("motion segmentation: the motion is not finite");
   }
@@ -406,29 +353,6 @@ const MotionResult& MotionSegmenter::segment(const MotionInput& input) {
   work.result.valid_count = work.score(input, PassConstants(input, params_, work.result.median_depth));
   work.threshold(params_, input.pixel_scale);
   return work.result;
-}
-
-cv::Mat expectedFlow(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_current_from_previous,
-                     const cv::Mat& depth) {
-  requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
-  const motion_terms::PixelMotion motion(camera, T_current_from_previous);
-  cv::Mat flow(depth.size(), CV_32FC2);
-  tbb::parallel_for(
-      tbb::blocked_range<int>(0, depth.rows, kRowsPerTask), [&](const tbb::blocked_range<int>& range) {
-        for (int row = range.begin(); row < range.end(); ++row) {
-          const float* depths = depth.ptr<float>(row);
-          auto* flows = flow.ptr<cv::Vec2f>(row);
-          for (int column = 0; column < depth.cols; ++column) {
-            const auto u = static_cast<float>(column);
-            const auto v = static_cast<float>(row);
-            const motion_terms::Prediction predicted = motion_terms::predict(motion, u, v, depths[column]);
-            const bool known =
-                depths[column] > 0.0F && predicted.depth > 0.0F && std::isfinite(depths[column]);
-            flows[column] = known ? cv::Vec2f(predicted.u - u, predicted.v - v) : cv::Vec2f(kNaN, kNaN);
-          }
-        }
-      });
-  return flow;
 }
 
 }  // namespace radar_dot

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "dis_flow.h"
+#include "warp.h"
 
 namespace radar_dot {
 namespace {
@@ -82,16 +83,8 @@ cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, do
   requireFlow(backward, "backward flow");
   if (forward.size() != backward.size())
     throw std::invalid_argument("forward and backward flow have different sizes");
-  // Bilinear values of the backward flow where the forward flow leads; NaN beyond the border.
-  cv::Mat map(forward.size(), CV_32FC2);
-  for (int row = 0; row < forward.rows; ++row) {
-    const auto* flow = forward.ptr<cv::Vec2f>(row);
-    auto* to = map.ptr<cv::Vec2f>(row);
-    for (int column = 0; column < forward.cols; ++column)
-      to[column] = flow[column] + cv::Vec2f(static_cast<float>(column), static_cast<float>(row));
-  }
-  cv::Mat back;
-  cv::remap(backward, back, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  const cv::Mat targets = targetsOf(forward);
+  const cv::Mat back = warpedBack(backward, targets);
   cv::Mat valid(forward.size(), CV_8UC1);
   const auto tolerance = static_cast<float>(absolute);
   const auto share = static_cast<float>(relative);
@@ -100,7 +93,7 @@ cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, do
   for (int row = 0; row < forward.rows; ++row) {
     const auto* f = forward.ptr<cv::Vec2f>(row);
     const auto* b = back.ptr<cv::Vec2f>(row);
-    const auto* to = map.ptr<cv::Vec2f>(row);
+    const auto* to = targets.ptr<cv::Vec2f>(row);
     auto* out = valid.ptr<std::uint8_t>(row);
     for (int column = 0; column < forward.cols; ++column) {
       const float x = f[column][0] + b[column][0];
