@@ -20,8 +20,6 @@ using dataset::DatasetError;
 using dataset::Index;
 using dataset::Tables;
 
-std::size_t at(Index row) { return static_cast<std::size_t>(row); }
-
 bool isRadar(const Tables& tables, const std::string& channel) {
   return std::any_of(tables.sensors.begin(), tables.sensors.end(), [&](const dataset::Sensor& sensor) {
     return sensor.channel == channel && sensor.modality == dataset::Modality::kRadar;
@@ -86,7 +84,7 @@ LoadedRadar loadRadar(const Tables& tables, Index scene, const std::string& chan
     const std::filesystem::path path = tables.path(reading);
     if (!std::filesystem::exists(path)) continue;  // a dataroot may hold only part of the sweeps
     LoadedScan scan;
-    scan.time = 1e-6 * static_cast<double>(reading.timestamp_us);
+    scan.time = secondsOf(reading);
     scan.sample = reading.sample;
     scan.is_key_frame = reading.is_key_frame;
     try {

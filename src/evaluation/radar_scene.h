@@ -15,6 +15,13 @@
 
 namespace radar_dot::evaluation {
 
+/// Rows as indices of the tables.
+inline std::size_t at(dataset::Index row) { return static_cast<std::size_t>(row); }
+/// Stamp of a reading, s.
+inline double secondsOf(const dataset::SampleData& reading) {
+  return 1e-6 * static_cast<double>(reading.timestamp_us);
+}
+
 /// One scan of one radar, read and filtered.
 struct LoadedScan {
   double time = 0.0;                       ///< s
@@ -34,6 +41,11 @@ struct LoadedRadar {
     return {&scans[index].returns, T_base_from_sensor, scans[index].time, nullptr};
   }
 };
+
+/// Where a return lies, m, base frame.
+inline Eigen::Vector3f positionOf(const DopplerReturn& seen, const Eigen::Isometry3d& T_base_from_sensor) {
+  return T_base_from_sensor.cast<float>() * (seen.range * seen.bearing);
+}
 
 /// The scan of a radar nearest to `time`, or nothing beyond `reach` seconds.
 std::optional<std::size_t> nearestScan(const LoadedRadar& radar, double time, double reach);

@@ -214,14 +214,9 @@ std::string formatJson(const std::vector<VelocityReport>& scenes, const Velocity
   JsonWriter writer(buffer);
   writer.SetIndent(' ', 2);
   writer.SetMaxDecimalPlaces(6);
-  writer.StartObject();
-  writer.Key("scenes");
-  writer.StartArray();
-  for (const VelocityReport& scene : scenes) writeReport(writer, scene, false);
-  writer.EndArray();
-  writer.Key("overall");
-  writeReport(writer, overall, true);
-  writer.EndObject();
+  writeScenes(writer, scenes, overall, [&writer](const VelocityReport& report, bool is_overall) {
+    writeReport(writer, report, is_overall);
+  });
   return std::string(buffer.GetString()) + "\n";
 }
 

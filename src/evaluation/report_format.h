@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace radar_dot::evaluation {
 
@@ -32,6 +33,20 @@ inline void number(JsonWriter& writer, const char* key, double value) {
 inline void count(JsonWriter& writer, const char* key, std::size_t value) {
   writer.Key(key);
   writer.Uint64(value);
+}
+
+/// {"scenes": [...], "overall": ...}; `write(report, is_overall)` writes one of them.
+template <typename Report, typename Write>
+void writeScenes(JsonWriter& writer, const std::vector<Report>& scenes, const Report& overall,
+                 const Write& write) {
+  writer.StartObject();
+  writer.Key("scenes");
+  writer.StartArray();
+  for (const Report& scene : scenes) write(scene, false);
+  writer.EndArray();
+  writer.Key("overall");
+  write(overall, true);
+  writer.EndObject();
 }
 
 }  // namespace radar_dot::evaluation

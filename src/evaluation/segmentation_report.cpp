@@ -112,14 +112,9 @@ std::string formatTable(const std::vector<SegmentationReport>& scenes, const Seg
 std::string formatJson(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall) {
   rapidjson::StringBuffer buffer;
   JsonWriter writer(buffer);
-  writer.StartObject();
-  writer.Key("scenes");
-  writer.StartArray();
-  for (const SegmentationReport& scene : scenes) writeReport(writer, scene, false);
-  writer.EndArray();
-  writer.Key("overall");
-  writeReport(writer, overall, true);
-  writer.EndObject();
+  writeScenes(writer, scenes, overall, [&writer](const SegmentationReport& report, bool is_overall) {
+    writeReport(writer, report, is_overall);
+  });
   return std::string(buffer.GetString(), buffer.GetSize()) + "\n";
 }
 

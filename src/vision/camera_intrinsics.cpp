@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -36,6 +37,12 @@ CameraIntrinsics CameraIntrinsics::scaledTo(int new_width, int new_height) const
   const double y = static_cast<double>(new_height) / height;
   // The border of the image, half a pixel beyond the first centre, is what stays.
   return {fx * x, fy * y, (cx + 0.5) * x - 0.5, (cy + 0.5) * y - 0.5, new_width, new_height};
+}
+
+cv::Size workingGrid(const cv::Size& image, int working_width) {
+  if (working_width <= 0 || working_width >= image.width) return image;
+  const double height = static_cast<double>(image.height) * working_width / image.width;
+  return {working_width, std::max(2, static_cast<int>(std::lround(height)))};
 }
 
 }  // namespace radar_dot

@@ -10,6 +10,7 @@
 #include <opencv2/video/tracking.hpp>
 #include <stdexcept>
 
+#include "radar_dot/vision/camera_intrinsics.h"
 #include "warp.h"
 
 namespace radar_dot {
@@ -132,12 +133,10 @@ class DisFlow : public OpticalFlow {
   cv::Mat onGrid(const cv::Mat& image) const {
     cv::Mat grey = image;
     if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-    const int width = params_.working_width;
-    if (width <= 0 || width >= image.cols) return grey;
-    const int height =
-        std::max(1, static_cast<int>(std::lround(static_cast<double>(image.rows) * width / image.cols)));
+    const cv::Size grid = workingGrid(image.size(), params_.working_width);
+    if (grid == image.size()) return grey;
     cv::Mat small;
-    cv::resize(grey, small, cv::Size(width, height), 0.0, 0.0, cv::INTER_AREA);
+    cv::resize(grey, small, grid, 0.0, 0.0, cv::INTER_AREA);
     return small;
   }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <opencv2/core/types.hpp>
 
 namespace radar_dot {
 
@@ -28,5 +29,9 @@ struct CameraIntrinsics {
     return {fx * point.x() / point.z() + cx, fy * point.y() / point.z() + cy};
   }
 };
+
+/// Size of the grid that is `working_width` px wide, of the image's shape; the image's own size where that is
+/// 0 or not smaller than the image. @param image  px
+cv::Size workingGrid(const cv::Size& image, int working_width);
 
 }  // namespace radar_dot
