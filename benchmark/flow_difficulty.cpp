@@ -10,60 +10,54 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 #include <string>
 #include <vector>
 
+#include "evaluation/segmentation_images.h"
 #include "radar_dot/dataset/tables.h"
+#include "radar_dot/vision/optical_flow.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 using radar_dot::dataset::Index;
 using radar_dot::dataset::Tables;
-
-constexpr int kWidth = 800;  // px
-constexpr int kHeight = 450;
+using radar_dot::evaluation::readFlow;
+using radar_dot::evaluation::readGrey;
 
 struct Errors {
   std::vector<float> of_static, of_movers;
 };
 
-cv::Mat read(const fs::path& file, int flags) {
-  cv::Mat image = cv::imread(file.string(), flags);
-  if (image.empty()) throw std::runtime_error(file.string() + ": cannot be read");
-  return image;
-}
-
 cv::Mat greyImage(const fs::path& file) {
-  cv::Mat grey;
-  cv::resize(read(file, cv::IMREAD_GRAYSCALE), grey, cv::Size(kWidth, kHeight), 0.0, 0.0, cv::INTER_AREA);
+  const cv::Mat grey = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  if (grey.empty()) throw std::runtime_error(file.string() + ": cannot be read");
   return grey;
 }
 
 /// Error of every visible pixel of the small image, against the truth at the same place of the full one.
 void compare(const cv::Mat& flow, const fs::path& truth, const std::string& name, Errors& errors) {
-  const cv::Mat true_flow = read(truth / "flow" / name, cv::IMREAD_UNCHANGED);
-  const cv::Mat occlusion = read(truth / "occlusion" / name, cv::IMREAD_UNCHANGED);
-  const cv::Mat motion = read(truth / "motion" / name, cv::IMREAD_UNCHANGED);
-  const double scale_x = static_cast<double>(true_flow.cols) / kWidth;
-  const double scale_y = static_cast<double>(true_flow.rows) / kHeight;
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) {
-      // The pixel of the full image nearest to the centre of the small one.
-      const int full_u =
-          std::clamp(static_cast<int>(std::lround((u + 0.5) * scale_x - 0.5)), 0, true_flow.cols - 1);
-      const int full_v =
-          std::clamp(static_cast<int>(std::lround((v + 0.5) * scale_y - 0.5)), 0, true_flow.rows - 1);
-      const auto& code = true_flow.at<cv::Vec3w>(full_v, full_u);
-      if (code[0] == 0 || occlusion.at<std::uint8_t>(full_v, full_u) != 0) continue;
+  const radar_dot::FlowField true_flow = readFlow(truth / "flow" / name);
+  const cv::Mat occlusion = readGrey(truth / "occlusion" / name);
+  const cv::Mat motion = readGrey(truth / "motion" / name);
+  const float scale_x = static_cast<float>(occlusion.cols) / static_cast<float>(flow.cols);
+  const float scale_y = static_cast<float>(occlusion.rows) / static_cast<float>(flow.rows);
+  // The pixel of the full image nearest to the centre of the small one.
+  const auto nearest = [](int pixel, float scale, int size) {
+    return std::clamp(static_cast<int>(std::lround((static_cast<float>(pixel) + 0.5F) * scale - 0.5F)), 0,
+                      size - 1);
+  };
+  for (int v = 0; v < flow.rows; ++v) {
+    for (int u = 0; u < flow.cols; ++u) {
+      const cv::Point full(nearest(u, scale_x, occlusion.cols), nearest(v, scale_y, occlusion.rows));
+      if (true_flow.valid.at<std::uint8_t>(full) == 0 || occlusion.at<std::uint8_t>(full) != 0) continue;
       const auto& found = flow.at<cv::Vec2f>(v, u);
-      const double error = std::hypot(found[0] - (code[2] - 32768.0) / 64.0 / scale_x,
-                                      found[1] - (code[1] - 32768.0) / 64.0 / scale_y);
-      const bool moves = motion.at<std::uint8_t>(full_v, full_u) != 0;
-      (moves ? errors.of_movers : errors.of_static).push_back(static_cast<float>(error));
+      const auto& wanted = true_flow.flow.at<cv::Vec2f>(full);
+      const bool moves = motion.at<std::uint8_t>(full) != 0;
+      (moves ? errors.of_movers : errors.of_static)
+          .push_back(std::hypot(found[0] - wanted[0] / scale_x, found[1] - wanted[1] / scale_y));
     }
   }
 }
@@ -73,7 +67,7 @@ std::string nameOf(const Tables& tables, Index reading) {
 }
 
 Errors evaluateScene(const Tables& tables, Index scene, int most_pairs) {
-  const cv::Ptr<cv::DISOpticalFlow> dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM);
+  const std::unique_ptr<radar_dot::OpticalFlow> dis = radar_dot::makeOpticalFlow();
   const fs::path truth = tables.dataroot() / "ground_truth";
   const std::vector<Index> readings = tables.readingsOf(scene, "CAM_FRONT");
   std::vector<std::size_t> with_truth;
@@ -86,9 +80,9 @@ Errors evaluateScene(const Tables& tables, Index scene, int most_pairs) {
     const auto path = [&](Index row) {
       return tables.path(tables.sample_data[static_cast<std::size_t>(row)]);
     };
-    cv::Mat flow;
-    dis->calc(greyImage(path(readings[i])), greyImage(path(readings[i + 1])), flow);
-    compare(flow, truth, nameOf(tables, readings[i]), errors);
+    const radar_dot::FlowField field =
+        dis->compute(greyImage(path(readings[i])), greyImage(path(readings[i + 1])));
+    compare(field.flow, truth, nameOf(tables, readings[i]), errors);
   }
   return errors;
 }

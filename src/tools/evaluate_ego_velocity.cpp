@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <map>
@@ -12,21 +11,21 @@
 #include <vector>
 
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
-#include "radar_dot/evaluation/report.h"
+#include "result_files.h"
 
 namespace {
 
 using radar_dot::evaluation::VelocityEvaluationOptions;
 using radar_dot::evaluation::VelocityReport;
-using radar_dot::evaluation::writeFile;
 
 constexpr int kUsage = 2;
 
 struct Arguments {
-  std::string dataroot, version = "v1.0-mini", json, csv, model = "planar_yaw";
+  std::string dataroot, version = "v1.0-mini", model = "planar_yaw";
   std::vector<std::string> scenes, mount_corrections;
   bool all_returns = false;
   bool paper_labels = false;
+  radar_dot::tools::ResultFiles files;
   VelocityEvaluationOptions options;
 };
 
@@ -37,8 +36,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--scenes", arguments.scenes, "Scene names, comma-separated (default: all)")->delimiter(',');
   app.add_option("--channels", arguments.options.channels, "Radars, comma-separated (default: all)")
       ->delimiter(',');
-  app.add_option("--json", arguments.json, "Write the results to this JSON file");
-  app.add_option("--csv", arguments.csv, "Write the results to this CSV file");
+  arguments.files.declare(app);
   app.add_option("--model", arguments.model, "Motion model of trajectory and labels")->capture_default_str();
   app.add_option("--doppler-scale", arguments.options.extraction.doppler_scale,
                  "Factor on every Doppler velocity")
@@ -89,9 +87,7 @@ std::map<std::string, double> parseCorrections(const std::vector<std::string>& t
 }
 
 int run(Arguments& arguments) {
-  if (!arguments.json.empty() && arguments.json == arguments.csv) {
-    throw std::invalid_argument("--json and --csv name the same file, " + arguments.json);
-  }
+  arguments.files.check();
   namespace dataset = radar_dot::dataset;
   VelocityEvaluationOptions& options = arguments.options;
   options.estimator.model = radar_dot::motionModelFromString(arguments.model);
@@ -128,12 +124,7 @@ int run(Arguments& arguments) {
   if (overall.frames == 0) {
     fmt::print(stderr, "evaluate_ego_velocity: warning: no pair of keyframes to compare with the poses\n");
   }
-  if (!arguments.json.empty()) writeFile(arguments.json, formatJson(reports, overall));
-  if (!arguments.csv.empty()) writeFile(arguments.csv, formatCsv(reports, overall));
-  const std::string table = formatTable(reports, overall);
-  if (std::fwrite(table.data(), 1, table.size(), stdout) != table.size() || std::fflush(stdout) != 0) {
-    throw std::runtime_error("the table cannot be written to standard output");
-  }
+  arguments.files.write(reports, overall);
   return 0;
 }
 

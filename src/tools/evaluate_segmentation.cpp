@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
-#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <map>
@@ -19,8 +18,8 @@
 
 #include "progress_bar.h"
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
-#include "radar_dot/evaluation/report.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
+#include "result_files.h"
 #include "signal_watch.h"
 
 namespace {
@@ -28,14 +27,14 @@ namespace {
 namespace dataset = radar_dot::dataset;
 using radar_dot::evaluation::SegmentationEvaluationOptions;
 using radar_dot::evaluation::SegmentationReport;
-using radar_dot::evaluation::writeFile;
 
 constexpr int kUsage = 2;
 
 struct Arguments {
-  std::string dataroot, version = "v1.0-mini", json, csv;
+  std::string dataroot, version = "v1.0-mini";
   std::vector<std::string> scenes, merge;
   int jobs = 1;
+  radar_dot::tools::ResultFiles files;
   SegmentationEvaluationOptions options;
 };
 
@@ -114,8 +113,7 @@ void declareMethod(CLI::App& app, SegmentationEvaluationOptions& options) {
 }
 
 void declareOutputs(CLI::App& app, Arguments& arguments) {
-  app.add_option("--json", arguments.json, "Write the results to this JSON file");
-  app.add_option("--csv", arguments.csv, "Write the results to this CSV file");
+  arguments.files.declare(app);
   app.add_option("--save-masks", arguments.options.mask_directory, "Write every mask to this folder, as PNG");
   app.add_option("--jobs", arguments.jobs, "Scenes at a time")
       ->check(CLI::Range(1, 1024))
@@ -236,17 +234,12 @@ std::vector<SegmentationReport> evaluateAll(const Arguments& arguments) {
 }
 
 int run(const Arguments& arguments) {
-  if (!arguments.json.empty() && arguments.json == arguments.csv)
-    throw std::invalid_argument("--json and --csv name the same file, " + arguments.json);
+  arguments.files.check();
   const std::vector<SegmentationReport> reports =
       arguments.merge.empty() ? evaluateAll(arguments) : radar_dot::evaluation::mergeJson(arguments.merge);
   SegmentationReport overall;
   for (const SegmentationReport& report : reports) overall += report;
-  if (!arguments.json.empty()) writeFile(arguments.json, formatJson(reports, overall));
-  if (!arguments.csv.empty()) writeFile(arguments.csv, formatCsv(reports, overall));
-  const std::string table = formatTable(reports, overall);
-  if (std::fwrite(table.data(), 1, table.size(), stdout) != table.size() || std::fflush(stdout) != 0)
-    throw std::runtime_error("the table cannot be written to standard output");
+  arguments.files.write(reports, overall);
   return 0;
 }
 
