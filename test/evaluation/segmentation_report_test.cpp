@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "fixtures/refusal.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 
 namespace radar_dot::evaluation {
@@ -115,12 +116,7 @@ TEST_F(SegmentationFiles, WrongFilesAreNamed) {
   const SegmentationReport a = report("scene-0001", 1, 1, 1, 1);
   const std::string good = write("good.json", formatJson({a}, a));
   const auto expect = [](const std::vector<std::string>& files, const std::string& part) {
-    try {
-      mergeJson(files);
-      FAIL() << part;
-    } catch (const std::runtime_error& error) {
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-    }
+    test::expectRefusal<std::runtime_error>([&files] { mergeJson(files); }, {part});
   };
   expect({good, good}, "scene-0001 also stands in");
   expect({"/nowhere.json"}, "/nowhere.json: cannot be opened");

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "fixtures/refusal.h"
+
 namespace radar_dot {
 namespace {
 
@@ -211,12 +213,8 @@ TEST(LidarDepth, WideGapsStayOpen) {
 
 TEST(DepthEstimator, RefusalsSayWhatIsWrong) {
   const auto expect = [](const DepthParams& params, const char* part) {
-    try {
-      makeDepthEstimator(params)->estimate(input());
-      FAIL() << part;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-    }
+    test::expectRefusal<std::invalid_argument>([&params] { makeDepthEstimator(params)->estimate(input()); },
+                                               {part});
   };
   DepthParams params;
   params.backend = "stereo";

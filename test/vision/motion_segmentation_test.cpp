@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "fixtures/literal_motion.h"
+#include "fixtures/refusal.h"
 #include "radar_dot/vision/motion_terms.h"
 
 namespace radar_dot {
@@ -224,12 +225,7 @@ TEST(MotionSegmenter, RefusesWhatDoesNotFit) {
   MotionSegmenter segmenter;
   MotionInput input = wall();
   input.depth = cv::Mat(10, 10, CV_32FC1);
-  try {
-    segmenter.segment(input);
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("depth is 10 x 10 px"), std::string::npos) << error.what();
-  }
+  test::expectRefusal<std::invalid_argument>([&] { segmenter.segment(input); }, {"depth is 10 x 10 px"});
   input = wall();
   input.flow = cv::Mat(240, 320, CV_64FC2);
   EXPECT_THROW(segmenter.segment(input), std::invalid_argument);

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "fixtures/refusal.h"
+
 namespace radar_dot {
 namespace {
 
@@ -199,13 +201,8 @@ TEST(OpticalFlow, BackendsPlugInByName) {
   EXPECT_THROW(registerOpticalFlow("none", {}), std::invalid_argument);
 }
 
-void expectRefusal(OpticalFlowParams params, const std::string& part) {
-  try {
-    makeOpticalFlow(params);
-    FAIL() << part;
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-  }
+void expectRefusal(const OpticalFlowParams& params, const std::string& part) {
+  test::expectRefusal<std::invalid_argument>([&params] { makeOpticalFlow(params); }, {part});
 }
 
 TEST(OpticalFlow, RefusalsNameWhatThereIs) {
