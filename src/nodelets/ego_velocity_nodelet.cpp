@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "cloud_conversion.h"
+#include "ego_messages.h"
 #include "radar_dot/EgoStatus.h"
 
 namespace radar_dot {
@@ -55,6 +56,9 @@ void EgoVelocityNodelet::onInit() {
   static_publisher_ = handle.advertise<sensor_msgs::PointCloud2>("radar/static", 20);
   dynamic_publisher_ = handle.advertise<sensor_msgs::PointCloud2>("radar/dynamic", 20);
 
+  mask_ = std::make_unique<MaskInput>(handle, *extrinsics_, [this](const std::string& text) {
+    if (throttle_.allow("mask", text)) NODELET_WARN("%s: %s", getName().c_str(), text.c_str());
+  });
   setUpRadars();
   setUpReconfigure();
   setUpDiagnostics();
@@ -116,8 +120,10 @@ void EgoVelocityNodelet::applyConfig(const EgoVelocityConfig& config) {
   const ExtractionParams common = extractionParams(config);
   const DopplerExtractor check(common);
   EgoVelocityEstimator estimator(estimatorParams(config));
+  const MaskFootprint footprint = maskFootprint(config);
 
   estimator_ = std::move(estimator);
+  mask_->configure(config.use_mask, config.mask_max_age, footprint);
   for (const std::unique_ptr<Radar>& radar : radars_) {
     ExtractionParams params = common;
     params.doppler_scale = radar->config.doppler_scale.value_or(common.doppler_scale);
@@ -170,7 +176,14 @@ void EgoVelocityNodelet::setUpDiagnostics() {
   });
   diagnostics_->add("estimator", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
     estimator_monitor_->report(ros::Time::now(), status);
+    status.addf("returns in the mask", "%zu", mask_->takeMarkedCount());
   });
+  for (InputMonitor* monitor : {&mask_->maskMonitor(), &mask_->cameraMonitor()}) {
+    diagnostics_->add("input " + monitor->name(),
+                      [monitor](diagnostic_updater::DiagnosticStatusWrapper& status) {
+                        monitor->report(ros::Time::now(), status);
+                      });
+  }
   for (const std::unique_ptr<Radar>& radar : radars_) {
     diagnostics_->add("radar " + radar->config.name,
                       [monitor = &radar->monitor](diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -250,6 +263,7 @@ void EgoVelocityNodelet::forgetThePast(const ros::Time& stamp) {
   NODELET_WARN("%s: time went back to %.3f s; starting anew", getName().c_str(), stamp.toSec());
   assembler_->reset();
   tracker_.reset();
+  mask_->forget();
   estimator_monitor_->reset();
   for (const std::unique_ptr<Radar>& radar : radars_) {
     radar->monitor.reset();
@@ -287,8 +301,13 @@ std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(co
     estimated.T_base_from_sensor.linear() =
         Eigen::AngleAxisd(radar.config.mount_yaw_correction, Eigen::Vector3d::UnitZ()) * mount->linear();
     estimated.time = scan.time;
-    mounted.push_back({scan.radar, reading});
+    mounted.push_back(
+        {scan.radar, reading,
+         mask_->marked(reading->returns, estimated.T_base_from_sensor, reading->cloud->header.stamp)});
   }
+  // Only now: the vector above no longer moves.
+  for (std::size_t i = 0; i < mounted.size(); ++i)
+    if (!mounted[i].in_mask.empty()) scans[i].known_dynamic = &mounted[i].in_mask;
   return mounted;
 }
 
@@ -314,23 +333,9 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
     return;
   }
   if (result.observed[0]) tracker_.add(sweep.time(), result.linear);
-  publishTwist(stamp, result);
+  mask_->add({sweep.time(), result.linear, result.angular});
+  twist_publisher_.publish(twistMessage(stamp, extrinsics_->baseFrame(), result));
   publishClouds(mounted, result);
-}
-
-void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, const EgoVelocityResult& result) {
-  geometry_msgs::TwistWithCovarianceStamped message;
-  message.header.stamp = stamp;
-  message.header.frame_id = extrinsics_->baseFrame();
-  message.twist.twist.linear.x = result.linear.x();
-  message.twist.twist.linear.y = result.linear.y();
-  message.twist.twist.linear.z = result.linear.z();
-  message.twist.twist.angular.x = result.angular.x();
-  message.twist.twist.angular.y = result.angular.y();
-  message.twist.twist.angular.z = result.angular.z();
-  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(message.twist.covariance.data()) =
-      result.covariance;
-  twist_publisher_.publish(message);
 }
 
 void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const EgoVelocityResult& result,

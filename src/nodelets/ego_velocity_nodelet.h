@@ -16,6 +16,7 @@
 
 #include "extrinsics.h"
 #include "log_throttle.h"
+#include "mask_input.h"
 #include "monitors.h"
 #include "parameters.h"
 #include "radar_dot/EgoVelocityConfig.h"
@@ -56,6 +57,7 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   struct MountedScan {
     std::size_t radar = 0;
     std::shared_ptr<const RadarReading> reading;
+    std::vector<std::uint8_t> in_mask;  // by return; empty: no mask tells
   };
 
   void onInit() override;
@@ -76,7 +78,6 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   void processSweep(const Sweep& sweep);
   std::vector<MountedScan> mountedScans(const Sweep& sweep, std::vector<RadarScan>& scans,
                                         std::string& error);
-  void publishTwist(const ros::Time& stamp, const EgoVelocityResult& result);
   void publishStatus(const ros::Time& stamp, const EgoVelocityResult& result,
                      const std::vector<MountedScan>& mounted, const std::string& reason,
                      double computation_time);
@@ -93,6 +94,7 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   std::vector<Sweep> completed_;  // kept between calls for its memory
   EgoVelocityEstimator estimator_;
   AccelerationTracker tracker_;
+  std::unique_ptr<MaskInput> mask_;
   ClockWatch clock_;
   std::map<std::string, ros::WallTime> mount_missing_since_;  // by frame
 

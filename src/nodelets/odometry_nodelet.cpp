@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "parameters.h"
+#include "twist_history.h"
 
 namespace radar_dot {
 namespace {
@@ -171,15 +172,7 @@ std::string OdometryNodelet::defectOf(const geometry_msgs::TwistWithCovarianceSt
   if (isAhead(twist.header.stamp, ros::Time::now())) {
     return "its stamp is more than 1 s ahead of the clock; synchronise the clocks";
   }
-  if (twist.header.frame_id != extrinsics_->baseFrame()) {
-    return "its frame is '" + twist.header.frame_id + "', not the base frame '" + extrinsics_->baseFrame() +
-           "'";
-  }
-  if (!vectorOf(twist.twist.twist.linear).allFinite() || !vectorOf(twist.twist.twist.angular).allFinite() ||
-      !CovarianceMap(twist.twist.covariance.data()).allFinite()) {
-    return "it is not finite";
-  }
-  return {};
+  return twistDefect(twist, extrinsics_->baseFrame());
 }
 
 void OdometryNodelet::onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) {

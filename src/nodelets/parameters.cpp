@@ -10,6 +10,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "config_mending.h"
+
 namespace radar_dot {
 namespace {
 
@@ -61,46 +63,10 @@ RadarConfig radarFromEntry(const std::string& name, XmlRpcValue& entry) {
 
 // Parameters that make sense only together.
 std::vector<std::vector<std::string>> pairedParameters() {
-  return {{"min_range", "max_range"}, {"min_azimuth", "max_azimuth"}, {"min_rcs", "max_rcs"}};
-}
-
-template <typename T>
-bool copyIfOfType(const EgoVelocityConfig::AbstractParamDescription& field, const EgoVelocityConfig& from,
-                  EgoVelocityConfig& to) {
-  const auto* typed = dynamic_cast<const EgoVelocityConfig::ParamDescription<T>*>(&field);
-  if (typed != nullptr) to.*(typed->field) = from.*(typed->field);
-  return typed != nullptr;
-}
-
-void copyField(const std::string& name, const EgoVelocityConfig& from, EgoVelocityConfig& to) {
-  for (const auto& field : EgoVelocityConfig::__getParamDescriptions__()) {
-    if (field->name != name) continue;
-    if (copyIfOfType<double>(*field, from, to) || copyIfOfType<int>(*field, from, to) ||
-        copyIfOfType<bool>(*field, from, to) || copyIfOfType<std::string>(*field, from, to)) {
-      return;
-    }
-  }
-}
-
-// What is wrong with the configuration; empty: nothing.
-std::string defectOf(const EgoVelocityConfig& config) {
-  for (const auto& field : EgoVelocityConfig::__getParamDescriptions__()) {
-    const auto* real = dynamic_cast<const EgoVelocityConfig::ParamDescription<double>*>(field.get());
-    if (real != nullptr && !std::isfinite(config.*(real->field))) return "it is not finite";
-  }
-  try {
-    const DopplerExtractor extractor(extractionParams(config));
-    const EgoVelocityEstimator estimator(estimatorParams(config));
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return {};
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
+  return {{"min_range", "max_range"},
+          {"min_azimuth", "max_azimuth"},
+          {"min_rcs", "max_rcs"},
+          {"mask_bottom", "mask_top"}};
 }
 
 }  // namespace
@@ -203,34 +169,26 @@ EgoVelocityParams estimatorParams(const EgoVelocityConfig& config) {
   return params;
 }
 
-MendedConfig mendedConfig(const EgoVelocityConfig& config) {
-  const EgoVelocityConfig& defaults = EgoVelocityConfig::__getDefault__();
-  MendedConfig result;
-  result.config = config;
-  if (defectOf(config).empty()) return result;
-
-  const std::vector<std::vector<std::string>> pairs = pairedParameters();
-  std::vector<std::vector<std::string>> parts = pairs;
-  for (const auto& field : EgoVelocityConfig::__getParamDescriptions__()) {
-    const bool paired = std::any_of(pairs.begin(), pairs.end(), [&field](const auto& pair) {
-      return std::find(pair.begin(), pair.end(), field->name) != pair.end();
-    });
-    if (!paired) parts.push_back({field->name});
+MaskFootprint maskFootprint(const EgoVelocityConfig& config) {
+  if (!(config.mask_bottom < config.mask_top)) {
+    throw std::invalid_argument("mask_bottom must be smaller than mask_top");
   }
-  for (const std::vector<std::string>& part : parts) {
-    EgoVelocityConfig alone = defaults;
-    for (const std::string& name : part) copyField(name, config, alone);
-    const std::string defect = defectOf(alone);
-    if (defect.empty()) continue;
-    for (const std::string& name : part) copyField(name, defaults, result.config);
-    result.problems.push_back(joined(part) + ": " + defect + "; using the default");
+  return {config.mask_bottom, config.mask_top, config.mask_min_share};
+}
+
+MendedConfig mendedConfig(const EgoVelocityConfig& config) {
+  const Mended<EgoVelocityConfig> mended = mend<EgoVelocityConfig>(
+      config,
+      [](const EgoVelocityConfig& candidate) {
+        const DopplerExtractor extractor(extractionParams(candidate));
+        const EgoVelocityEstimator estimator(estimatorParams(candidate));
+        maskFootprint(candidate);
+      },
+      pairedParameters());
+  MendedConfig result{mended.config, mended.problems, mended.valid, mended.valid};
+  for (const std::vector<std::string>& part : mended.replaced) {
     // The default of the scale may have the wrong sign for these radars: better no velocity.
     if (part.front() == "doppler_scale") result.usable = false;
-  }
-  const std::string rest = defectOf(result.config);
-  if (!rest.empty()) {
-    result.problems.push_back(rest);
-    result.valid = result.usable = false;
   }
   return result;
 }

@@ -12,6 +12,7 @@
 #include "radar_dot/EgoVelocityConfig.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
+#include "radar_dot/vision/mask_footprint.h"
 
 namespace radar_dot {
 
@@ -39,6 +40,9 @@ ExtractionParams extractionParams(const EgoVelocityConfig& config);
 
 /// Estimator and segmentation as configured. @throws std::invalid_argument.
 EgoVelocityParams estimatorParams(const EgoVelocityConfig& config);
+
+/// The column that a return stands for in a mask, as configured. @throws std::invalid_argument.
+MaskFootprint maskFootprint(const EgoVelocityConfig& config);
 
 /// A configuration in which what made no sense has been replaced by its default.
 struct MendedConfig {

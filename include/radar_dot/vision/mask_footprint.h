@@ -1,0 +1,34 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "radar_dot/vision/camera_intrinsics.h"
+
+namespace radar_dot {
+
+/// What a radar return stands for in an image. Most automotive radars do not measure elevation: a return is
+/// an upright column at its place.
+struct MaskFootprint {
+  double bottom = 0.3;     ///< m, lower end of the column, z of the base frame
+  double top = 1.3;        ///< m, upper end
+  double min_share = 0.5;  ///< of the column's pixels within the image that must be marked
+};
+
+/// Which points lie on what a mask marks: the image's half of the loop between mask and velocity.
+/// @param points  m, base frame, at the time of the mask; those that are not finite, behind the camera or out
+///                of its view are not in the mask
+/// @param mask    CV_8UC1 on the grid of `camera`, not 0 = marked
+/// @return one value per point: 1 = in the mask, 0 = not
+/// @throws std::invalid_argument for a mask of another type or size than the camera's grid
+std::vector<std::uint8_t> pointsInMask(const std::vector<Eigen::Vector3f>& points, const cv::Mat& mask,
+                                       const CameraIntrinsics& camera,
+                                       const Eigen::Isometry3d& T_camera_from_base,
+                                       const MaskFootprint& footprint = {});
+
+}  // namespace radar_dot

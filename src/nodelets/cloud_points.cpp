@@ -1,0 +1,80 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cloud_points.h"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "cloud_conversion.h"
+
+namespace radar_dot {
+namespace {
+
+constexpr double kTwistHold = 0.3;        // s
+constexpr std::size_t kMaxSensors = 100;  // more are frame names that vary from message to message
+
+}  // namespace
+
+std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
+  std::vector<PointField> fields;
+  const PointCloudView view = viewOf(cloud, fields);
+  std::array<const PointField*, 3> axes{};
+  constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    axes[i] = findField(fields, kNames[i]);
+    if (axes[i] == nullptr && view.size() > 0) {
+      throw std::invalid_argument("its fields are " + fieldNames(fields) + "; x, y and z are needed");
+    }
+  }
+  const PointField* residual = findField(fields, "residual");
+  const auto read = [](const std::uint8_t* data, const PointField& field) {
+    return static_cast<float>(readScalar(data + field.offset, field.type));
+  };
+  std::vector<CloudPoint> points;
+  points.reserve(view.size());
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    const std::uint8_t* data = view.point(i);
+    CloudPoint point;
+    for (std::size_t k = 0; k < axes.size(); ++k)
+      point.position[static_cast<Eigen::Index>(k)] = read(data, *axes[k]);
+    if (residual != nullptr) point.residual = read(data, *residual);
+    if (point.position.allFinite()) points.push_back(point);
+  }
+  return points;
+}
+
+void RecentClouds::add(const std::string& topic, const sensor_msgs::PointCloud2& cloud) {
+  Scan scan{cloud.header.stamp, pointsOf(cloud)};
+  if (scans_.size() > kMaxSensors) scans_.clear();
+  scans_[{cloud.header.frame_id, topic}] = std::move(scan);
+}
+
+std::vector<CloudPoint> RecentClouds::at(const ros::Time& time, double max_age) {
+  std::vector<CloudPoint> points;
+  used_ = 0;
+  for (const auto& [key, scan] : scans_) {
+    if (std::abs(time.toSec() - scan.stamp.toSec()) > max_age) continue;
+    std::string missing;
+    const std::optional<Eigen::Isometry3d> T_base_from_sensor = extrinsics_.lookup(key.first, missing);
+    if (!T_base_from_sensor) {
+      warn_("the cloud on '" + key.second + "' is left out: " + missing);
+      continue;
+    }
+    const std::optional<Eigen::Isometry3d> T_now_from_scan =
+        motion_.between(time, scan.stamp, kTwistHold, false, missing);
+    const Eigen::Isometry3f T =
+        (T_now_from_scan ? *T_now_from_scan * *T_base_from_sensor : *T_base_from_sensor).cast<float>();
+    for (const CloudPoint& point : scan.points) points.push_back({T * point.position, point.residual});
+    ++used_;
+  }
+  return points;
+}
+
+std::vector<Eigen::Vector3f> RecentClouds::positionsAt(const ros::Time& time, double max_age) {
+  std::vector<Eigen::Vector3f> positions;
+  for (const CloudPoint& point : at(time, max_age)) positions.push_back(point.position);
+  return positions;
+}
+
+}  // namespace radar_dot

@@ -1,0 +1,60 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include <Eigen/Core>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ego_motion.h"
+#include "extrinsics.h"
+
+namespace radar_dot {
+
+/// A point of a cloud.
+struct CloudPoint {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< m
+  float residual = 0.0F;  ///< field `residual` of radar/static and radar/dynamic, m/s; 0 where there is none
+};
+
+/// The finite points of a cloud, in its own frame. @throws std::invalid_argument for sizes that contradict
+/// each other, or a cloud without x, y and z.
+std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud);
+
+/// The latest clouds of any number of sensors, one of each sensor and topic, as points of the base frame.
+class RecentClouds {
+ public:
+  /// @param warn  for sensors whose mount TF does not know
+  RecentClouds(Extrinsics& extrinsics, EgoMotion& motion, std::function<void(const std::string&)> warn)
+      : extrinsics_(extrinsics), motion_(motion), warn_(std::move(warn)) {}
+
+  /// @throws std::invalid_argument as pointsOf()
+  void add(const std::string& topic, const sensor_msgs::PointCloud2& cloud);
+  void clear() { scans_.clear(); }
+
+  /// Base frame at `time`, of the scans within `max_age` s of it. Static points are where they were seen;
+  /// the vehicle's motion since is taken from ego/twist, or as none where that is not known.
+  std::vector<CloudPoint> at(const ros::Time& time, double max_age);
+  /// The same without residuals, m.
+  std::vector<Eigen::Vector3f> positionsAt(const ros::Time& time, double max_age);
+  /// Scans that the latest at() has used.
+  std::size_t used() const noexcept { return used_; }
+
+ private:
+  struct Scan {
+    ros::Time stamp;
+    std::vector<CloudPoint> points;  // sensor frame
+  };
+  Extrinsics& extrinsics_;
+  EgoMotion& motion_;
+  std::function<void(const std::string&)> warn_;
+  std::map<std::pair<std::string, std::string>, Scan> scans_;  // by frame and topic
+  std::size_t used_ = 0;
+};
+
+}  // namespace radar_dot

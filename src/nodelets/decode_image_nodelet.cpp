@@ -1,0 +1,43 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pluginlib/class_list_macros.hpp>
+
+#include "image_messages.h"
+#include "stream_nodelet.h"
+
+namespace radar_dot {
+
+/// Decodes `image/compressed` once, so that everything in the manager shares one `image`.
+class DecodeImageNodelet : public StreamNodelet {
+ private:
+  void onInit() override {
+    setUp("decoder");
+    publisher_ = getNodeHandle().advertise<sensor_msgs::Image>("image", 2);
+    subscriber_ = listen<sensor_msgs::CompressedImage>(
+        addInput("image"), "image/compressed", 1,
+        [this](const sensor_msgs::CompressedImageConstPtr& image) { decode(*image); });
+  }
+
+  void decode(const sensor_msgs::CompressedImage& message) {
+    if (publisher_.getNumSubscribers() == 0) return;
+    constexpr int kColour = 3;
+    const Picture picture = pictureOf(message, kColour);
+    publisher_.publish(imageMessage(message.header, "bgr8", picture.pixels));
+    ++decoded_;
+  }
+
+  void forgetThePast() override {}
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) override {
+    status.summary(diagnostic_msgs::DiagnosticStatus::OK,
+                   publisher_.getNumSubscribers() == 0 ? "nobody wants images" : "decoding");
+    status.addf("images decoded", "%zu", decoded_);
+  }
+
+  ros::Publisher publisher_;
+  ros::Subscriber subscriber_;
+  std::size_t decoded_ = 0;
+};
+
+}  // namespace radar_dot
+
+PLUGINLIB_EXPORT_CLASS(radar_dot::DecodeImageNodelet, nodelet::Nodelet)

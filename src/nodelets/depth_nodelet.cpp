@@ -1,0 +1,200 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "depth_nodelet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <pluginlib/class_list_macros.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "vision_parameters.h"
+
+namespace radar_dot {
+namespace {
+
+constexpr std::uint32_t kCloudQueue = 20;
+
+void check(const DepthConfig& config) {
+  DepthParams params = depthParams(config);
+  if (config.backend == kTopicBackend) {
+    params.backend = DepthParams{}.backend;  // its other parameters are checked all the same
+  } else {
+    const std::vector<std::string> known = depthBackends();
+    if (std::find(known.begin(), known.end(), config.backend) == known.end()) {
+      std::string names;
+      for (const std::string& name : known) names += name + ", ";
+      throw std::invalid_argument("backend '" + config.backend + "' is not one of " + names + kTopicBackend);
+    }
+  }
+  makeDepthEstimator(params);
+}
+
+/// What is no depth becomes NaN. @return share of the pixels that is known
+double clean(cv::Mat& depth, double max_depth) {
+  std::size_t known = 0;
+  for (int row = 0; row < depth.rows; ++row) {
+    auto* values = depth.ptr<float>(row);
+    for (int column = 0; column < depth.cols; ++column) {
+      const bool is_known = values[column] > 0.0F && values[column] <= static_cast<float>(max_depth);
+      if (is_known) {
+        ++known;
+      } else {
+        values[column] = std::numeric_limits<float>::quiet_NaN();
+      }
+    }
+  }
+  return static_cast<double>(known) / static_cast<double>(depth.total());
+}
+
+}  // namespace
+
+void DepthNodelet::onInit() {
+  setUp("depth");
+  ros::NodeHandle& handle = getNodeHandle();
+  ros::NodeHandle& private_handle = getPrivateNodeHandle();
+  const auto warn_of_sensor = [this](const std::string& text) { warn("sensor", text); };
+  extrinsics_ =
+      std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
+  motion_ = std::make_unique<EgoMotion>(
+      *extrinsics_, [] {}, [this](const std::string& text) { warn("rotation", text); });
+  radar_clouds_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
+  lidar_clouds_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
+
+  image_ = &addInput("image");
+  camera_input_ = &addInput("camera_info");
+  depth_input_ = &addInput("depth/input");
+  lidar_input_ = &addInput("lidar");
+  twist_input_ = &addInput("ego/twist", false);
+  radar_topics_ = {"radar/static", "radar/dynamic"};
+  private_handle.param("radar_topics", radar_topics_, radar_topics_);
+  for (const std::string& topic : radar_topics_) radar_inputs_.push_back(&addInput(topic, false));
+  publisher_ = handle.advertise<sensor_msgs::Image>("depth", 3);
+  server_ = serve<DepthConfig>(check, [this](const DepthConfig& config) { configure(config); });
+}
+
+void DepthNodelet::configure(const DepthConfig& config) {
+  config_ = config;
+  estimator_ = config.backend == kTopicBackend ? nullptr : makeDepthEstimator(depthParams(config));
+  if (configured_backend_ != config.backend) connectInputs();
+  configured_backend_ = config.backend;
+}
+
+void DepthNodelet::connectInputs() {
+  subscribers_.clear();
+  image_subscriber_ = {};
+  std::vector<InputMonitor*> inputs = {image_, camera_input_, depth_input_, lidar_input_, twist_input_};
+  inputs.insert(inputs.end(), radar_inputs_.begin(), radar_inputs_.end());
+  for (InputMonitor* input : inputs) input->setTopic({});
+  forgetThePast();
+  if (!estimator_) {
+    subscribers_.push_back(
+        listen<sensor_msgs::Image>(*depth_input_, "depth/input", 2,
+                                   [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); }));
+    return;
+  }
+  try {
+    image_subscriber_ =
+        listenToImages(*image_, 3, [this](LazyPicture picture) { onImage(std::move(picture)); });
+  } catch (const std::invalid_argument& error) {
+    transport_error_ = error.what();
+    NODELET_FATAL("%s: %s", getName().c_str(), error.what());
+  }
+  subscribers_.push_back(listen<sensor_msgs::CameraInfo>(
+      *camera_input_, "camera_info", 3,
+      [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; }));
+  subscribers_.push_back(listen<geometry_msgs::TwistWithCovarianceStamped>(
+      *twist_input_, "ego/twist", 10,
+      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion_->add(*twist); }));
+  const auto listen_to_clouds = [this](InputMonitor& input, const std::string& topic, RecentClouds& clouds) {
+    subscribers_.push_back(listenUnordered<sensor_msgs::PointCloud2>(
+        input, topic, kCloudQueue,
+        [&clouds, topic](const sensor_msgs::PointCloud2ConstPtr& cloud) { clouds.add(topic, *cloud); }));
+  };
+  if (config_.backend == "lidar") listen_to_clouds(*lidar_input_, "lidar", *lidar_clouds_);
+  if (config_.backend == "lidar") return;
+  for (std::size_t i = 0; i < radar_topics_.size(); ++i)
+    listen_to_clouds(*radar_inputs_[i], radar_topics_[i], *radar_clouds_);
+}
+
+void DepthNodelet::forgetThePast() {
+  radar_clouds_->clear();
+  lidar_clouds_->clear();
+  motion_->forget();
+}
+
+void DepthNodelet::onImage(LazyPicture picture) {
+  if (publisher_.getNumSubscribers() == 0) return;
+  const ros::WallTime start = ros::WallTime::now();
+  const std_msgs::Header header = picture.header();
+  if (!camera_) throw std::invalid_argument("nothing on '" + camera_input_->topic() + "' yet");
+  const CameraIntrinsics camera = cameraOf(*camera_);
+  if (isDistorted(*camera_)) {
+    warn("camera", "camera_info on '" + camera_input_->topic() +
+                       "' has distortion: depth belongs on rectified images (image_proc)");
+  }
+  DepthInput input;
+  std::string missing;
+  const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(header.frame_id, missing);
+  if (!T_base_from_camera) throw std::invalid_argument(missing);
+  const cv::Size grid = workingGrid({camera.width, camera.height}, config_.working_width);
+  input.camera = camera.scaledTo(grid.width, grid.height);
+  input.T_base_from_camera = *T_base_from_camera;
+  if (config_.image_edges) input.image = picture.pixels();
+  if (config_.backend == "lidar") {
+    input.lidar_points = lidar_clouds_->positionsAt(header.stamp, config_.lidar_max_age);
+    if (input.lidar_points.empty()) {
+      throw std::invalid_argument("no sweep on '" + lidar_input_->topic() + "' within " +
+                                  std::to_string(config_.lidar_max_age) + " s of it (lidar_max_age)");
+    }
+  } else {
+    input.radar_points = radar_clouds_->positionsAt(header.stamp, config_.radar_max_age);
+  }
+  points_ = input.lidar_points.size() + input.radar_points.size();
+  cv::Mat depth = estimator_->estimate(input);
+  known_share_ = clean(depth, config_.max_depth);
+  computation_time_ = (ros::WallTime::now() - start).toSec();
+  publish(header, depth);
+}
+
+void DepthNodelet::onDepth(const sensor_msgs::ImageConstPtr& message) {
+  if (publisher_.getNumSubscribers() == 0) return;
+  const ros::WallTime start = ros::WallTime::now();
+  const cv::Mat given = radar_dot::depthOf(*message);
+  const cv::Size grid = workingGrid(given.size(), config_.working_width);
+  cv::Mat depth;
+  // Nearest: between an object and what is behind it there is nothing.
+  cv::resize(given, depth, grid, 0.0, 0.0, cv::INTER_NEAREST);
+  if (depth.data == given.data) depth = given.clone();
+  known_share_ = clean(depth, config_.max_depth);
+  computation_time_ = (ros::WallTime::now() - start).toSec();
+  publish(message->header, depth);
+}
+
+void DepthNodelet::publish(const std_msgs::Header& header, const cv::Mat& depth) {
+  publisher_.publish(imageMessage(header, "32FC1", depth));
+  ++computed_;
+}
+
+void DepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!transport_error_.empty()) {
+    status.summary(DiagnosticStatus::ERROR, transport_error_);
+  } else if (publisher_.getNumSubscribers() == 0) {
+    status.summary(DiagnosticStatus::OK, "nobody wants depth");
+  } else if (computed_ > 0 && known_share_ == 0.0) {
+    status.summary(DiagnosticStatus::WARN, "no pixel of the latest depth is known");
+  } else {
+    status.summary(DiagnosticStatus::OK, "backend " + config_.backend);
+  }
+  status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
+  status.addf("known share", "%.2f", known_share_);
+  status.addf("points used", "%zu", points_);
+  status.addf("depths", "%zu", computed_);
+}
+
+}  // namespace radar_dot
+
+PLUGINLIB_EXPORT_CLASS(radar_dot::DepthNodelet, nodelet::Nodelet)

@@ -1,0 +1,56 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cloud_points.h"
+#include "ego_motion.h"
+#include "image_subscriber.h"
+#include "radar_dot/DepthConfig.h"
+#include "radar_dot/vision/depth_estimator.h"
+#include "stamp_cache.h"
+
+namespace radar_dot {
+
+/// Metric depth for every image, from the ground and radar returns, from a lidar, or from a depth topic.
+///
+/// Clouds are brought to the time of the image by the vehicle's own motion, where ego/twist tells it.
+class DepthNodelet : public ImageSubscriber {
+ private:
+  void onInit() override;
+  void configure(const DepthConfig& config);
+  void connectInputs();
+  void forgetThePast() override;
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
+
+  void onImage(LazyPicture picture);
+  void onDepth(const sensor_msgs::ImageConstPtr& message);
+  void publish(const std_msgs::Header& header, const cv::Mat& depth);
+
+  DepthConfig config_ = DepthConfig::__getDefault__();
+  std::string configured_backend_;  // whose inputs are subscribed
+  std::string transport_error_;
+  std::unique_ptr<DepthEstimator> estimator_;  // none: the backend "topic"
+
+  std::unique_ptr<Extrinsics> extrinsics_;
+  std::unique_ptr<EgoMotion> motion_;
+  std::unique_ptr<RecentClouds> radar_clouds_, lidar_clouds_;
+  sensor_msgs::CameraInfoConstPtr camera_;
+
+  InputMonitor *image_ = nullptr, *camera_input_ = nullptr, *twist_input_ = nullptr, *lidar_input_ = nullptr,
+               *depth_input_ = nullptr;
+  std::vector<InputMonitor*> radar_inputs_;
+  std::vector<std::string> radar_topics_;
+  std::vector<ros::Subscriber> subscribers_;
+  ros::Subscriber image_subscriber_;
+  ros::Publisher publisher_;
+  std::unique_ptr<dynamic_reconfigure::Server<DepthConfig>> server_;
+
+  double computation_time_ = 0.0, known_share_ = 0.0;  // of the latest depth
+  std::size_t computed_ = 0, points_ = 0;
+};
+
+}  // namespace radar_dot

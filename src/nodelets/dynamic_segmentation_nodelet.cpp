@@ -1,0 +1,325 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dynamic_segmentation_nodelet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <pluginlib/class_list_macros.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "radar_dot/vision/rigid_motion.h"
+#include "vision_parameters.h"
+
+namespace radar_dot {
+namespace {
+
+constexpr std::size_t kMaxWaiting = 4;   // flows; at 12 Hz a third of a second
+constexpr double kWaitingPeriod = 0.05;  // s, how often waiting flows are looked at
+constexpr std::uint32_t kCloudQueue = 20;
+
+/// |flow - expected|, px; NaN where either is unknown.
+cv::Mat residualOf(const cv::Mat& flow, const cv::Mat& expected) {
+  cv::Mat residual(flow.size(), CV_32FC1);
+  for (int row = 0; row < flow.rows; ++row) {
+    const auto* observed = flow.ptr<cv::Vec2f>(row);
+    const auto* predicted = expected.ptr<cv::Vec2f>(row);
+    auto* values = residual.ptr<float>(row);
+    for (int column = 0; column < flow.cols; ++column) {
+      const cv::Vec2f difference = observed[column] - predicted[column];
+      values[column] = std::hypot(difference[0], difference[1]);
+    }
+  }
+  return residual;
+}
+
+cv::Mat onGrid(const cv::Mat& image, const cv::Size& size) {
+  if (image.empty() || image.size() == size) return image;
+  cv::Mat resized;
+  cv::resize(image, resized, size, 0.0, 0.0, cv::INTER_NEAREST);
+  return resized;
+}
+
+}  // namespace
+
+void DynamicSegmentationNodelet::onInit() {
+  setUp("segmentation");
+  ros::NodeHandle& handle = getNodeHandle();
+  ros::NodeHandle& private_handle = getPrivateNodeHandle();
+  extrinsics_ =
+      std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
+  motion_ = std::make_unique<EgoMotion>(
+      *extrinsics_, [this] { processWaiting(); },
+      [this](const std::string& text) { warn("rotation", text); });
+  dynamic_returns_ = std::make_unique<RecentClouds>(
+      *extrinsics_, *motion_, [this](const std::string& text) { warn("sensor", text); });
+  setUpOutputs();
+  flow_input_ = &addInput("flow");
+  depth_input_ = &addInput("depth");
+  camera_input_ = &addInput("camera_info");
+  twist_input_ = &addInput("ego/twist");
+  radar_input_ = &addInput("radar/dynamic", false);
+  server_ = serve<DynamicSegmentationConfig>(
+      [](const DynamicSegmentationConfig& config) { validate(motionParams(config)); },
+      [this](const DynamicSegmentationConfig& config) { configure(config); });
+  try {
+    motion_->setUpRotation(handle, private_handle);
+  } catch (const std::invalid_argument& error) {
+    configuration_problem_ = std::string(error.what()) + "; using the yaw rate of the twists";
+    NODELET_ERROR("%s: %s", getName().c_str(), configuration_problem_.c_str());
+  }
+  setUpInputs();
+}
+
+void DynamicSegmentationNodelet::setUpOutputs() {
+  ros::NodeHandle& handle = getNodeHandle();
+  transport_ = std::make_unique<image_transport::ImageTransport>(handle);
+  mask_publisher_ = transport_->advertise("dynamic/mask", 3);
+  valid_publisher_ = transport_->advertise("dynamic/valid", 3);
+  score_publisher_ = handle.advertise<sensor_msgs::Image>("dynamic/score", 3);
+  expected_flow_publisher_ = handle.advertise<sensor_msgs::Image>("dynamic/expected_flow", 3);
+  residual_publisher_ = handle.advertise<sensor_msgs::Image>("dynamic/residual", 3);
+}
+
+void DynamicSegmentationNodelet::setUpInputs() {
+  flow_subscriber_ =
+      listen<Flow>(*flow_input_, "flow", 3, [this](const FlowConstPtr& flow) { onFlow(flow); });
+  depth_subscriber_ =
+      listen<sensor_msgs::Image>(*depth_input_, "depth", 5, [this](const sensor_msgs::ImageConstPtr& depth) {
+        depths_.add(depth);
+        processWaiting();
+      });
+  camera_subscriber_ = listen<sensor_msgs::CameraInfo>(
+      *camera_input_, "camera_info", 3,
+      [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; });
+  twist_subscriber_ = listen<geometry_msgs::TwistWithCovarianceStamped>(
+      *twist_input_, "ego/twist", 20,
+      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion_->add(*twist); });
+  waiting_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kWaitingPeriod),
+                                                   [this](const ros::WallTimerEvent&) { processWaiting(); });
+}
+
+void DynamicSegmentationNodelet::configure(const DynamicSegmentationConfig& config) {
+  segmenter_ = MotionSegmenter(motionParams(config));
+  config_ = config;
+  const bool listening = static_cast<bool>(radar_subscriber_);
+  if (config.radar_gain > 0.0 && !listening) {
+    radar_subscriber_ = listenUnordered<sensor_msgs::PointCloud2>(
+        *radar_input_, "radar/dynamic", kCloudQueue, [this](const sensor_msgs::PointCloud2ConstPtr& cloud) {
+          dynamic_returns_->add(radar_input_->topic(), *cloud);
+        });
+  } else if (config.radar_gain == 0.0 && listening) {
+    radar_subscriber_.shutdown();
+    radar_subscriber_ = {};
+    radar_input_->setTopic({});
+  }
+}
+
+void DynamicSegmentationNodelet::forgetThePast() {
+  waiting_.clear();
+  depths_.clear();
+  motion_->forget();
+  dynamic_returns_->clear();
+}
+
+bool DynamicSegmentationNodelet::wanted() const {
+  return mask_publisher_.getNumSubscribers() + valid_publisher_.getNumSubscribers() +
+             score_publisher_.getNumSubscribers() + expected_flow_publisher_.getNumSubscribers() +
+             residual_publisher_.getNumSubscribers() >
+         0;
+}
+
+void DynamicSegmentationNodelet::drop(const std::string& reason) {
+  ++dropped_;
+  ++dropped_since_report_;
+  drop_reason_ = reason;
+  warn("dropped", "no mask: " + reason);
+}
+
+void DynamicSegmentationNodelet::onFlow(const FlowConstPtr& flow) {
+  if (flow->second_stamp.isZero() || flow->second_stamp == flow->header.stamp) {
+    throw std::invalid_argument("second_stamp: it must be given, and differ from the stamp of the header");
+  }
+  if (!wanted()) return;
+  waiting_.push_back({flow, ros::WallTime::now()});
+  processWaiting();
+}
+
+void DynamicSegmentationNodelet::processWaiting() {
+  while (!waiting_.empty()) {
+    const WaitingFlow front = waiting_.front();
+    try {
+      Inputs inputs;
+      std::string missing;
+      if (!gather(front, inputs, missing)) {
+        const bool patient = (ros::WallTime::now() - front.arrival).toSec() < config_.input_timeout;
+        if (patient && waiting_.size() <= kMaxWaiting) return;
+        waiting_.pop_front();
+        drop(missing);
+        continue;
+      }
+      waiting_.pop_front();
+      segment(inputs);
+    } catch (const std::exception& error) {
+      // A flow that does not fit must not block those behind it.
+      if (!waiting_.empty() && waiting_.front().message == front.message) waiting_.pop_front();
+      drop(error.what());
+    }
+  }
+}
+
+bool DynamicSegmentationNodelet::gather(const WaitingFlow& waiting, Inputs& inputs, std::string& missing) {
+  inputs.flow = waiting.message;
+  const ros::Time first = inputs.flow->header.stamp;
+  const ros::Time second = inputs.flow->second_stamp;
+  const auto lacks = [&missing](const InputMonitor& input, const std::string& what) {
+    missing = "nothing on '" + input.topic() + "' " + what;
+    return false;
+  };
+  inputs.depth = depths_.find(first);
+  if (!inputs.depth) return lacks(*depth_input_, "with the stamp of the flow's first image");
+  if (config_.lambda > 0.0) {
+    inputs.next_depth = depths_.find(second);
+    if (!inputs.next_depth) return lacks(*depth_input_, "with the stamp of the flow's second image");
+  }
+  if (!camera_) return lacks(*camera_input_, "yet");
+  const std::optional<Eigen::Isometry3d> T_base_from_camera =
+      extrinsics_->lookup(inputs.flow->header.frame_id, missing);
+  if (!T_base_from_camera) return false;
+  const bool patient = (ros::WallTime::now() - waiting.arrival).toSec() < config_.rotation_timeout;
+  const std::optional<Eigen::Isometry3d> motion =
+      motion_->between(first, second, config_.max_twist_age, patient, missing);
+  if (!motion) {
+    missing = "no motion of the vehicle from '" + twist_input_->topic() + "': " + missing;
+    return false;
+  }
+  inputs.motion.T_current_from_previous = staticPointMotion(*T_base_from_camera, *motion);
+  placeOnGrid(inputs);
+  if (config_.radar_gain > 0.0) inputs.motion.dynamic_points = dynamicPoints(first, *T_base_from_camera);
+  return true;
+}
+
+void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
+  const Flow& flow = *inputs.flow;
+  MotionInput& motion = inputs.motion;
+  const CameraIntrinsics camera = cameraOf(*camera_);
+  const cv::Size image(camera.width, camera.height);
+  if (flow.image_width != camera_->width || flow.image_height != camera_->height) {
+    throw std::invalid_argument("flow on '" + flow_input_->topic() + "' is of images of " +
+                                std::to_string(flow.image_width) + " x " + std::to_string(flow.image_height) +
+                                " px, camera_info on '" + camera_input_->topic() + "' of " + sizeText(image) +
+                                " px");
+  }
+  const FlowField field = radar_dot::flowOf(flow);
+  const cv::Size grid = field.flow.size();
+  motion.flow = field.flow;
+  motion.flow_valid = field.valid;
+  motion.camera = camera.scaledTo(grid.width, grid.height);
+  motion.pixel_scale = static_cast<double>(image.width) / grid.width;
+  const auto place = [&](const sensor_msgs::ImageConstPtr& message) -> cv::Mat {
+    if (!message) return {};
+    const cv::Mat depth = radar_dot::depthOf(*message);
+    if (!isGridOf(depth.size(), image)) {
+      throw std::invalid_argument("depth on '" + depth_input_->topic() + "' of " + sizeText(depth.size()) +
+                                  " px does not have the shape of the camera's image of " + sizeText(image) +
+                                  " px");
+    }
+    return onGrid(depth, grid);
+  };
+  motion.depth = place(inputs.depth);
+  motion.next_depth = place(inputs.next_depth);
+}
+
+std::vector<Eigen::Vector3f> DynamicSegmentationNodelet::dynamicPoints(
+    const ros::Time& stamp, const Eigen::Isometry3d& T_base_from_camera) {
+  std::vector<Eigen::Vector3f> points = dynamic_returns_->positionsAt(stamp, config_.radar_max_age);
+  const Eigen::Isometry3f T_camera_from_base = T_base_from_camera.inverse().cast<float>();
+  for (Eigen::Vector3f& point : points) point = T_camera_from_base * point;
+  return points;
+}
+
+void DynamicSegmentationNodelet::segment(const Inputs& inputs) {
+  if (isDistorted(*camera_)) {
+    warn("camera", "camera_info on '" + camera_input_->topic() +
+                       "' has distortion: the images must be rectified (image_proc)");
+  }
+  const ros::WallTime start = ros::WallTime::now();
+  const MotionResult& result = segmenter_.segment(inputs.motion);
+  computation_time_ = (ros::WallTime::now() - start).toSec();
+  publish(inputs, result);
+
+  latency_ =
+      ros::Time::now().toSec() - std::max(inputs.flow->header.stamp, inputs.flow->second_stamp).toSec();
+  const auto total = static_cast<double>(result.mask.total());
+  valid_share_ = static_cast<double>(result.valid_count) / total;
+  mask_share_ = cv::countNonZero(result.mask) / total;
+  median_ = result.median;
+  mad_ = result.mad;
+  threshold_ = result.threshold;
+  ++masks_;
+  ++masks_since_report_;
+  if (result.valid_count == 0) {
+    warn("valid", "the mask is empty: no pixel has both depth on '" + depth_input_->topic() +
+                      "' and flow on '" + flow_input_->topic() + "'");
+  }
+}
+
+void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MotionResult& result) {
+  const std_msgs::Header& header = inputs.flow->header;
+  const cv::Size image(static_cast<int>(inputs.flow->image_width),
+                       static_cast<int>(inputs.flow->image_height));
+  const cv::Size size = config_.full_size ? image : result.mask.size();
+  if (mask_publisher_.getNumSubscribers() > 0)
+    mask_publisher_.publish(imageMessage(header, "mono8", onGrid(result.mask, size)));
+  if (valid_publisher_.getNumSubscribers() > 0)
+    valid_publisher_.publish(imageMessage(header, "mono8", onGrid(result.valid, size)));
+  if (score_publisher_.getNumSubscribers() > 0)
+    score_publisher_.publish(imageMessage(header, "32FC1", result.score));
+  const bool wants_residual = residual_publisher_.getNumSubscribers() > 0;
+  if (!wants_residual && expected_flow_publisher_.getNumSubscribers() == 0) return;
+  const cv::Mat expected =
+      expectedFlow(inputs.motion.camera, inputs.motion.T_current_from_previous, inputs.motion.depth);
+  expected_flow_publisher_.publish(imageMessage(header, "32FC2", expected));
+  if (wants_residual)
+    residual_publisher_.publish(imageMessage(header, "32FC1", residualOf(inputs.motion.flow, expected)));
+}
+
+void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!wanted()) {
+    status.summary(DiagnosticStatus::OK, "nobody wants masks");
+  } else if (dropped_since_report_ > 0) {
+    status.summaryf(masks_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
+                    "%zu flows without a mask: %s", dropped_since_report_, drop_reason_.c_str());
+  } else if (masks_since_report_ == 0) {
+    status.summary(DiagnosticStatus::ERROR, "no masks");
+  } else if (valid_share_ == 0.0) {
+    status.summary(DiagnosticStatus::WARN, "no pixel has both depth and flow");
+  } else {
+    status.summaryf(DiagnosticStatus::OK, "%zu masks in the last second", masks_since_report_);
+  }
+  const std::size_t without_rotation = motion_->takeWithoutRotation();
+  if (without_rotation > 0) {
+    status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without a rotation from %s", without_rotation,
+                         motion_->rotationText().c_str());
+  }
+  if (!configuration_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_problem_);
+  status.add("rotation", motion_->rotationText());
+  status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
+  status.addf("latency (ms)", "%.1f", 1e3 * latency_);
+  status.addf("valid share", "%.3f", valid_share_);
+  status.addf("dynamic share", "%.4f", mask_share_);
+  status.addf("median of the score", "%.3f", median_);
+  status.addf("MAD of the score", "%.3f", mad_);
+  status.addf("threshold", "%.3f", threshold_);
+  status.addf("flows waiting", "%zu", waiting_.size());
+  status.addf("masks", "%zu", masks_);
+  status.addf("flows dropped", "%zu", dropped_);
+  status.add("last drop", drop_reason_);
+  masks_since_report_ = dropped_since_report_ = 0;
+}
+
+}  // namespace radar_dot
+
+PLUGINLIB_EXPORT_CLASS(radar_dot::DynamicSegmentationNodelet, nodelet::Nodelet)

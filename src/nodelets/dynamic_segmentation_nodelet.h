@@ -1,0 +1,86 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <image_transport/image_transport.h>
+
+#include <deque>
+#include <memory>
+#include <string>
+
+#include "cloud_points.h"
+#include "ego_motion.h"
+#include "image_messages.h"
+#include "radar_dot/DynamicSegmentationConfig.h"
+#include "radar_dot/vision/motion_segmentation.h"
+#include "stamp_cache.h"
+#include "stream_nodelet.h"
+
+namespace radar_dot {
+
+/// What moves by itself in the images: the paper's mask, from flow, depth and the vehicle's own motion.
+///
+/// A flow waits for the depth at the stamps of its two images, and for the rotation between them; messages
+/// belong together where their stamps are equal. The mask lies on the first image of the flow and carries its
+/// stamp: the earlier image where flow runs forward (as in the paper), the later one where it runs backward.
+class DynamicSegmentationNodelet : public StreamNodelet {
+ private:
+  struct WaitingFlow {
+    FlowConstPtr message;
+    ros::WallTime arrival;
+  };
+  /// Everything that goes with one flow; the messages own the pixels.
+  struct Inputs {
+    FlowConstPtr flow;
+    sensor_msgs::ImageConstPtr depth, next_depth;
+    MotionInput motion;
+  };
+
+  void onInit() override;
+  void setUpInputs();
+  void setUpOutputs();
+  void configure(const DynamicSegmentationConfig& config);
+  void forgetThePast() override;
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
+
+  void onFlow(const FlowConstPtr& flow);
+  void processWaiting();
+  /// @return false while something is missing (named in `missing`) that may still come
+  bool gather(const WaitingFlow& waiting, Inputs& inputs, std::string& missing);
+  /// @throws std::invalid_argument where grids do not go together
+  void placeOnGrid(Inputs& inputs) const;
+  std::vector<Eigen::Vector3f> dynamicPoints(const ros::Time& stamp,
+                                             const Eigen::Isometry3d& T_base_from_camera);
+  void segment(const Inputs& inputs);
+  void publish(const Inputs& inputs, const MotionResult& result);
+  bool wanted() const;
+  void drop(const std::string& reason);
+
+  DynamicSegmentationConfig config_ = DynamicSegmentationConfig::__getDefault__();
+  MotionSegmenter segmenter_;
+  std::string configuration_problem_;
+  std::unique_ptr<Extrinsics> extrinsics_;
+  std::unique_ptr<EgoMotion> motion_;
+  std::unique_ptr<RecentClouds> dynamic_returns_;
+  StampCache<sensor_msgs::Image> depths_;
+  sensor_msgs::CameraInfoConstPtr camera_;
+  std::deque<WaitingFlow> waiting_;
+
+  InputMonitor *flow_input_ = nullptr, *depth_input_ = nullptr, *camera_input_ = nullptr,
+               *twist_input_ = nullptr, *radar_input_ = nullptr;
+  ros::Subscriber flow_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_,
+      radar_subscriber_;
+  std::unique_ptr<image_transport::ImageTransport> transport_;
+  image_transport::Publisher mask_publisher_, valid_publisher_;
+  ros::Publisher score_publisher_, expected_flow_publisher_, residual_publisher_;
+  std::unique_ptr<dynamic_reconfigure::Server<DynamicSegmentationConfig>> server_;
+  ros::WallTimer waiting_timer_;
+
+  // Of the latest mask.
+  double computation_time_ = 0.0, latency_ = 0.0, valid_share_ = 0.0, mask_share_ = 0.0;
+  double median_ = 0.0, mad_ = 0.0, threshold_ = 0.0;
+  std::size_t masks_ = 0, masks_since_report_ = 0, dropped_since_report_ = 0, dropped_ = 0;
+  std::string drop_reason_;
+};
+
+}  // namespace radar_dot

@@ -1,0 +1,18 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <geometry_msgs/TwistWithCovarianceStamped.h>
+#include <ros/time.h>
+
+#include <string>
+
+#include "radar_dot/radar/ego_velocity.h"
+
+namespace radar_dot {
+
+/// The velocity of a result: m/s and rad/s, in `base_frame`, with its covariance.
+geometry_msgs::TwistWithCovarianceStamped twistMessage(const ros::Time& stamp, const std::string& base_frame,
+                                                       const EgoVelocityResult& result);
+
+}  // namespace radar_dot

@@ -1,0 +1,57 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/ros.h>
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "extrinsics.h"
+#include "rotation_source.h"
+#include "stream_nodelet.h"
+#include "twist_history.h"
+
+namespace radar_dot {
+
+/// The vehicle's motion between two times, from ego/twist and a source of rotation.
+class EgoMotion {
+ public:
+  /// @param changed  called when a twist or a rotation arrived
+  /// @param warn     for what is wrong with the source of rotation
+  EgoMotion(Extrinsics& extrinsics, std::function<void()> changed,
+            std::function<void(const std::string&)> warn)
+      : extrinsics_(extrinsics), changed_(std::move(changed)), warn_(std::move(warn)) {}
+
+  /// A twist that has passed its input. @throws std::invalid_argument saying what is wrong with it.
+  void add(const geometry_msgs::TwistWithCovarianceStamped& twist);
+
+  /// Reads rotation_source and rotation_fixed_frame. @throws std::invalid_argument as makeRotationSource; the
+  /// yaw rate of the twists is used then.
+  void setUpRotation(ros::NodeHandle& handle, ros::NodeHandle& private_handle);
+
+  /// T_begin_from_end of the base frame; `end` may be the earlier one.
+  /// @param max_hold  s that the latest twist is taken to hold
+  /// @param patient   true: without a rotation at both times there is no answer yet; false: the twists' own
+  /// @return none, with the reason in `missing`
+  std::optional<Eigen::Isometry3d> between(const ros::Time& begin, const ros::Time& end, double max_hold,
+                                           bool patient, std::string& missing);
+  void forget();
+  /// "odometry on '/rotation/odom'", or "yaw rate of the radars".
+  std::string rotationText() const;
+  /// Intervals since the last call that had to do without the source of rotation.
+  std::size_t takeWithoutRotation();
+
+ private:
+  Extrinsics& extrinsics_;
+  std::function<void()> changed_;
+  std::function<void(const std::string&)> warn_;
+  TwistHistory twists_;
+  std::unique_ptr<RotationSource> rotation_;  // none: the twists' own
+  std::size_t without_rotation_ = 0;
+};
+
+}  // namespace radar_dot

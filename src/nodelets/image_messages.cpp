@@ -1,0 +1,153 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "image_messages.h"
+
+#include <cv_bridge/cv_bridge.h>
+#include <sensor_msgs/image_encodings.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+namespace radar_dot {
+namespace {
+
+namespace encodings = sensor_msgs::image_encodings;
+
+/// A view into the message. @throws std::invalid_argument where its sizes contradict each other.
+cv::Mat viewOf(const sensor_msgs::Image& message, const std::string& what) {
+  try {
+    // No owner: the caller keeps the message.
+    return cv_bridge::toCvShare(message, boost::shared_ptr<const void>())->image;
+  } catch (const std::exception& error) {
+    throw std::invalid_argument(what + ": " + error.what());
+  }
+}
+
+void expectEncoding(const sensor_msgs::Image& message, const std::string& encoding, const std::string& what) {
+  if (message.encoding == encoding) return;
+  throw std::invalid_argument(what + ": its encoding is '" + message.encoding + "', not " + encoding);
+}
+
+void expectSize(const sensor_msgs::Image& message, const std::string& what) {
+  if (message.width == 0 || message.height == 0) throw std::invalid_argument(what + ": it is empty");
+}
+
+}  // namespace
+
+std::string sizeText(const cv::Size& size) {
+  return std::to_string(size.width) + " x " + std::to_string(size.height);
+}
+
+bool isGridOf(const cv::Size& grid, const cv::Size& image) {
+  if (grid.width <= 0 || grid.height <= 0 || image.width <= 0 || image.height <= 0) return false;
+  const double height = static_cast<double>(image.height) * grid.width / image.width;
+  // A side may have been rounded, or up to a multiple of 8 by a network.
+  return std::abs(height - grid.height) <= std::max(1.0, 0.02 * height);
+}
+
+Picture pictureOf(const sensor_msgs::ImageConstPtr& message) {
+  expectSize(*message, "image");
+  const bool grey = message->encoding == encodings::MONO8 || message->encoding == encodings::MONO16;
+  try {
+    const cv_bridge::CvImageConstPtr converted =
+        cv_bridge::toCvShare(message, grey ? encodings::MONO8 : encodings::BGR8);
+    return {message->header, converted->image, converted};
+  } catch (const std::exception& error) {
+    throw std::invalid_argument("image of encoding '" + message->encoding + "': " + error.what());
+  }
+}
+
+Picture pictureOf(const sensor_msgs::CompressedImage& message, int channels) {
+  const std::string what = "compressed image of format '" + message.format + "'";
+  Picture picture;
+  picture.header = message.header;
+  if (!message.data.empty()) {
+    try {
+      picture.pixels = cv::imdecode(message.data, channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
+    } catch (const cv::Exception& error) {
+      throw std::invalid_argument(what + ": " + error.what());
+    }
+  }
+  if (picture.pixels.empty()) {
+    throw std::invalid_argument(what + ": its " + std::to_string(message.data.size()) +
+                                " bytes cannot be decoded");
+  }
+  return picture;
+}
+
+cv::Mat depthOf(const sensor_msgs::Image& message) {
+  expectSize(message, "depth");
+  if (message.encoding == encodings::TYPE_32FC1) return viewOf(message, "depth");
+  if (message.encoding != encodings::TYPE_16UC1 && message.encoding != encodings::MONO16) {
+    throw std::invalid_argument("depth: its encoding is '" + message.encoding +
+                                "', not 32FC1 (m) or 16UC1 (mm)");
+  }
+  cv::Mat metres;
+  viewOf(message, "depth").convertTo(metres, CV_32FC1, 1e-3);
+  return metres;
+}
+
+cv::Mat flowImageOf(const sensor_msgs::Image& message) {
+  expectSize(message, "flow");
+  expectEncoding(message, encodings::TYPE_32FC2, "flow");
+  return viewOf(message, "flow");
+}
+
+FlowField flowOf(const Flow& message) {
+  const cv::Size image(static_cast<int>(message.image_width), static_cast<int>(message.image_height));
+  FlowField field;
+  field.flow = flowImageOf(message.flow);
+  if (!isGridOf(field.flow.size(), image)) {
+    throw std::invalid_argument("flow of " + sizeText(field.flow.size()) +
+                                " px does not have the shape of its image of " + sizeText(image) + " px");
+  }
+  if (message.valid.data.empty()) return field;
+  expectEncoding(message.valid, encodings::MONO8, "valid");
+  field.valid = viewOf(message.valid, "valid");
+  if (field.valid.size() != field.flow.size()) {
+    throw std::invalid_argument("valid of " + sizeText(field.valid.size()) +
+                                " px does not match the flow of " + sizeText(field.flow.size()) + " px");
+  }
+  return field;
+}
+
+sensor_msgs::ImagePtr imageMessage(const std_msgs::Header& header, const std::string& encoding,
+                                   const cv::Mat& pixels) {
+  return cv_bridge::CvImage(header, encoding, pixels).toImageMsg();
+}
+
+FlowPtr flowMessage(const std_msgs::Header& header, const ros::Time& second_stamp, const FlowField& field,
+                    const cv::Size& image) {
+  auto message = boost::make_shared<Flow>();
+  message->header = header;
+  message->second_stamp = second_stamp;
+  message->image_width = static_cast<std::uint32_t>(image.width);
+  message->image_height = static_cast<std::uint32_t>(image.height);
+  cv_bridge::CvImage(header, encodings::TYPE_32FC2, field.flow).toImageMsg(message->flow);
+  if (!field.valid.empty())
+    cv_bridge::CvImage(header, encodings::MONO8, field.valid).toImageMsg(message->valid);
+  return message;
+}
+
+CameraIntrinsics cameraOf(const sensor_msgs::CameraInfo& message) {
+  Eigen::Matrix3d matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(message.K.data());
+  if (message.P[0] != 0.0) {
+    matrix = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(message.P.data()).leftCols<3>();
+  }
+  try {
+    return CameraIntrinsics::fromMatrix(matrix, static_cast<int>(message.width),
+                                        static_cast<int>(message.height));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("camera_info: ") + error.what());
+  }
+}
+
+bool isDistorted(const sensor_msgs::CameraInfo& message) {
+  return message.P[0] == 0.0 &&
+         std::any_of(message.D.begin(), message.D.end(), [](double d) { return d != 0.0; });
+}
+
+}  // namespace radar_dot

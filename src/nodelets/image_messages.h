@@ -1,0 +1,58 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/Image.h>
+
+#include <boost/make_shared.hpp>
+#include <boost/shared_ptr.hpp>
+#include <opencv2/core/mat.hpp>
+
+#include "radar_dot/Flow.h"
+#include "radar_dot/vision/camera_intrinsics.h"
+#include "radar_dot/vision/optical_flow.h"
+
+/// Between messages and images. Images that share memory with a message hold on to it by the pointer given
+/// beside them. Everything throws std::invalid_argument that names the field and what was expected.
+namespace radar_dot {
+
+/// A picture and the message its pixels belong to (none where they are its own).
+struct Picture {
+  std_msgs::Header header;
+  cv::Mat pixels;  ///< CV_8UC3 (BGR) or CV_8UC1; not to be written to
+  boost::shared_ptr<const void> owner;
+};
+
+/// Without a copy where the encoding is bgr8 or mono8 already.
+Picture pictureOf(const sensor_msgs::ImageConstPtr& message);
+/// Decoded. @param channels  1: to grey, which is quicker; 3: colour
+Picture pictureOf(const sensor_msgs::CompressedImage& message, int channels);
+
+/// Depth in m, CV_32FC1: of encoding 32FC1 (m, shared with the message) or 16UC1 (mm, 0 = unknown).
+cv::Mat depthOf(const sensor_msgs::Image& message);
+
+/// Flow without the rest, as on dynamic/expected_flow: CV_32FC2, shared with the message.
+cv::Mat flowImageOf(const sensor_msgs::Image& message);
+
+/// The flow's grid, shared with the message.
+FlowField flowOf(const Flow& message);
+
+/// @param field  on any grid of the image's shape   @param image  px, size of the images
+FlowPtr flowMessage(const std_msgs::Header& header, const ros::Time& second_stamp, const FlowField& field,
+                    const cv::Size& image);
+sensor_msgs::ImagePtr imageMessage(const std_msgs::Header& header, const std::string& encoding,
+                                   const cv::Mat& pixels);
+
+/// The camera of rectified images: the projection matrix P where it is given, else K.
+CameraIntrinsics cameraOf(const sensor_msgs::CameraInfo& message);
+/// True where images are not rectified: K is all that is given, and there is distortion.
+bool isDistorted(const sensor_msgs::CameraInfo& message);
+
+/// True where a grid has the shape of an image, within the rounding of its sides.
+bool isGridOf(const cv::Size& grid, const cv::Size& image);
+/// "800 x 450"
+std::string sizeText(const cv::Size& size);
+
+}  // namespace radar_dot

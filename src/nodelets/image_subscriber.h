@@ -1,0 +1,61 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "image_messages.h"
+#include "stream_nodelet.h"
+
+namespace radar_dot {
+
+/// A picture that is decoded or converted only when somebody asks for it.
+class LazyPicture {
+ public:
+  LazyPicture() = default;
+  explicit LazyPicture(sensor_msgs::ImageConstPtr raw) : raw_(std::move(raw)) {}
+  explicit LazyPicture(sensor_msgs::CompressedImageConstPtr compressed)
+      : compressed_(std::move(compressed)) {}
+
+  bool empty() const noexcept { return !raw_ && !compressed_; }
+  const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
+  /// @throws std::invalid_argument as pictureOf()
+  const cv::Mat& pixels() {
+    if (!picture_.pixels.empty()) return picture_.pixels;
+    constexpr int kColour = 3;
+    picture_ = raw_ ? pictureOf(raw_) : pictureOf(*compressed_, kColour);
+    return picture_.pixels;
+  }
+
+ private:
+  sensor_msgs::ImageConstPtr raw_;
+  sensor_msgs::CompressedImageConstPtr compressed_;
+  Picture picture_;
+};
+
+/// `image` as raw messages, or as compressed ones of `image/compressed`, by the private parameter
+/// image_transport (raw, compressed).
+class ImageSubscriber : public StreamNodelet {
+ protected:
+  /// @throws std::invalid_argument for another transport
+  ros::Subscriber listenToImages(InputMonitor& input, std::uint32_t queue_size,
+                                 const std::function<void(LazyPicture)>& body) {
+    const auto transport = getPrivateNodeHandle().param<std::string>("image_transport", "raw");
+    if (transport == "raw") {
+      return listen<sensor_msgs::Image>(
+          input, "image", queue_size,
+          [body](const sensor_msgs::ImageConstPtr& image) { body(LazyPicture(image)); });
+    }
+    if (transport == "compressed") {
+      return listen<sensor_msgs::CompressedImage>(
+          input, "image/compressed", queue_size,
+          [body](const sensor_msgs::CompressedImageConstPtr& image) { body(LazyPicture(image)); });
+    }
+    throw std::invalid_argument("image_transport '" + transport + "' is not one of raw, compressed");
+  }
+};
+
+}  // namespace radar_dot

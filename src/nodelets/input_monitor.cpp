@@ -1,0 +1,66 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "input_monitor.h"
+
+#include <stdexcept>
+
+namespace radar_dot {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+void checkHeader(const std_msgs::Header& header, const ros::Time& now) {
+  if (header.frame_id.empty()) throw std::invalid_argument("its frame_id is empty");
+  if (header.stamp.isZero()) throw std::invalid_argument("its stamp is zero");
+  if (isAhead(header.stamp, now)) {
+    throw std::invalid_argument("its stamp is more than 1 s ahead of the clock; synchronise the clocks");
+  }
+}
+
+bool InputMonitor::accept(const std_msgs::Header& header, const ros::Time& now) {
+  checkHeader(header, now);
+  const StampGuard::Verdict verdict = stamps_.check(header.stamp);
+  if (verdict == StampGuard::Verdict::kStale) {
+    throw std::invalid_argument("its stamp is not later than that of the message before");
+  }
+  stream_.tick(header.stamp, now);
+  ++good_;
+  return verdict == StampGuard::Verdict::kGood;
+}
+
+void InputMonitor::acceptUnordered(const std_msgs::Header& header, const ros::Time& now) {
+  checkHeader(header, now);
+  stream_.tick(header.stamp, now);
+  ++good_;
+}
+
+void InputMonitor::refuse(const std::string& cause) {
+  cause_ = cause;
+  ++refused_;
+  ++refused_in_all_;
+}
+
+void InputMonitor::reset() {
+  stream_.reset();
+  stamps_.reset();
+  good_ = refused_ = 0;
+}
+
+void InputMonitor::report(const ros::Time& now, diagnostic_updater::DiagnosticStatusWrapper& status) {
+  if (topic_.empty()) {
+    status.summary(DiagnosticStatus::OK, "not subscribed: nobody needs it now");
+  } else {
+    stream_.report(now, status);
+    if (refused_ > 0) {
+      status.summaryf(good_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
+                      "%zu messages refused: %s", refused_, cause_.c_str());
+    } else if (!required_ && status.level == DiagnosticStatus::ERROR) {
+      status.level = DiagnosticStatus::OK;  // its words stay
+    }
+  }
+  status.add("topic", topic_);
+  status.addf("messages refused", "%zu", refused_in_all_);
+  if (refused_in_all_ > 0) status.add("last refusal", cause_);
+  good_ = refused_ = 0;
+}
+
+}  // namespace radar_dot

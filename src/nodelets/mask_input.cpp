@@ -1,0 +1,130 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mask_input.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace radar_dot {
+namespace {
+
+StreamExpectation expectation() {
+  StreamExpectation expected;
+  expected.rate = 0.0;  // cameras have all rates
+  expected.max_age = 1.0;
+  expected.silent_after = 2.0;
+  return expected;
+}
+
+}  // namespace
+
+MaskInput::MaskInput(ros::NodeHandle& handle, Extrinsics& extrinsics,
+                     std::function<void(const std::string&)> warn)
+    : handle_(handle),
+      extrinsics_(extrinsics),
+      warn_(std::move(warn)),
+      mask_monitor_("dynamic/mask", expectation(), true),
+      camera_monitor_("camera_info", expectation(), true) {}
+
+void MaskInput::configure(bool enabled, double max_age, const MaskFootprint& footprint) {
+  max_age_ = max_age;
+  footprint_ = footprint;
+  if (enabled == enabled_) return;
+  enabled_ = enabled;
+  if (enabled) {
+    subscribe();
+    return;
+  }
+  for (ros::Subscriber* subscriber : {&mask_subscriber_, &camera_subscriber_}) subscriber->shutdown();
+  for (InputMonitor* monitor : {&mask_monitor_, &camera_monitor_}) {
+    monitor->setTopic({});
+    monitor->reset();
+  }
+  mask_.reset();
+}
+
+void MaskInput::subscribe() {
+  mask_subscriber_ = handle_.subscribe<sensor_msgs::Image>("dynamic/mask", 2,
+                                                           [this](const sensor_msgs::ImageConstPtr& mask) {
+                                                             guard(mask_monitor_, mask->header, [&] {
+                                                               pictureOf(mask);  // refuses what is no image
+                                                               mask_ = mask;
+                                                             });
+                                                           });
+  camera_subscriber_ = handle_.subscribe<sensor_msgs::CameraInfo>(
+      "camera_info", 2, [this](const sensor_msgs::CameraInfoConstPtr& camera) {
+        guard(camera_monitor_, camera->header, [&] {
+          cameraOf(*camera);
+          camera_ = camera;
+        });
+      });
+  mask_monitor_.setTopic(mask_subscriber_.getTopic());
+  camera_monitor_.setTopic(camera_subscriber_.getTopic());
+}
+
+void MaskInput::guard(InputMonitor& input, const std_msgs::Header& header,
+                      const std::function<void()>& body) {
+  try {
+    const ros::Time now = ros::Time::now();
+    if (!input.accept(header, now)) {
+      mask_.reset();
+      velocities_.clear();
+    }
+    body();
+  } catch (const std::exception& error) {
+    input.refuse(error.what());
+    warn_("message on '" + input.topic() + "' refused: " + error.what());
+  }
+}
+
+void MaskInput::add(const StampedVelocity& velocity) {
+  if (enabled_) velocities_.add(velocity);
+}
+
+void MaskInput::forget() {
+  mask_.reset();
+  velocities_.clear();
+  mask_monitor_.reset();
+  camera_monitor_.reset();
+}
+
+std::vector<std::uint8_t> MaskInput::marked(const std::vector<DopplerReturn>& returns,
+                                            const Eigen::Isometry3d& T_base_from_sensor,
+                                            const ros::Time& stamp) {
+  if (!enabled_ || !mask_ || !camera_) return {};
+  const double age = stamp.toSec() - mask_->header.stamp.toSec();
+  if (age < 0.0 || age > max_age_) return {};
+  std::string missing;
+  const std::optional<Eigen::Isometry3d> T_base_from_camera =
+      extrinsics_.lookup(mask_->header.frame_id, missing);
+  if (!T_base_from_camera) {
+    warn_("the mask is not used: " + missing);
+    return {};
+  }
+  // Returns that move by themselves have moved on since; the limit on the age keeps that small.
+  const std::optional<Eigen::Isometry3d> T_mask_from_scan =
+      velocities_.motion(mask_->header.stamp.toSec(), stamp.toSec(), max_age_, missing);
+  if (!T_mask_from_scan) return {};
+  const Eigen::Isometry3f T = (*T_mask_from_scan * T_base_from_sensor).cast<float>();
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(returns.size());
+  for (const DopplerReturn& seen : returns) points.emplace_back(T * (seen.range * seen.bearing));
+
+  const Picture mask = pictureOf(mask_);
+  const CameraIntrinsics camera = cameraOf(*camera_);
+  if (!isGridOf(mask.pixels.size(), {camera.width, camera.height})) {
+    warn_("the mask on '" + mask_monitor_.topic() + "' of " + sizeText(mask.pixels.size()) +
+          " px does not have the shape of camera_info on '" + camera_monitor_.topic() + "'");
+    return {};
+  }
+  std::vector<std::uint8_t> result =
+      pointsInMask(points, mask.pixels, camera.scaledTo(mask.pixels.cols, mask.pixels.rows),
+                   T_base_from_camera->inverse(), footprint_);
+  marked_ += static_cast<std::size_t>(std::count(result.begin(), result.end(), 1));
+  return result;
+}
+
+std::size_t MaskInput::takeMarkedCount() { return std::exchange(marked_, 0); }
+
+}  // namespace radar_dot

@@ -1,0 +1,62 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/ros.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "extrinsics.h"
+#include "image_messages.h"
+#include "input_monitor.h"
+#include "radar_dot/radar/doppler_returns.h"
+#include "radar_dot/vision/mask_footprint.h"
+#include "twist_history.h"
+
+namespace radar_dot {
+
+/// The latest dynamic mask, for the returns that lie in it: the image's half of the loop between mask and
+/// velocity. Subscribes to dynamic/mask and camera_info while it is enabled.
+class MaskInput {
+ public:
+  /// @param warn  for masks that cannot be used
+  MaskInput(ros::NodeHandle& handle, Extrinsics& extrinsics, std::function<void(const std::string&)> warn);
+
+  /// @param max_age  s between the mask's image and a scan; an older mask says nothing
+  void configure(bool enabled, double max_age, const MaskFootprint& footprint);
+  /// A velocity of the vehicle, which brings returns to the time of the mask.
+  void add(const StampedVelocity& velocity);
+  void forget();
+
+  /// One value per return, 1 = it lies in the mask; empty: there is no mask that tells.
+  std::vector<std::uint8_t> marked(const std::vector<DopplerReturn>& returns,
+                                   const Eigen::Isometry3d& T_base_from_sensor, const ros::Time& stamp);
+
+  InputMonitor& maskMonitor() noexcept { return mask_monitor_; }
+  InputMonitor& cameraMonitor() noexcept { return camera_monitor_; }
+  /// Returns marked since the last call.
+  std::size_t takeMarkedCount();
+
+ private:
+  /// Runs `body`; whatever it throws becomes a refusal.
+  void guard(InputMonitor& input, const std_msgs::Header& header, const std::function<void()>& body);
+  void subscribe();
+
+  ros::NodeHandle handle_;
+  Extrinsics& extrinsics_;
+  std::function<void(const std::string&)> warn_;
+  bool enabled_ = false;
+  double max_age_ = 0.0;
+  MaskFootprint footprint_;
+  InputMonitor mask_monitor_, camera_monitor_;
+  ros::Subscriber mask_subscriber_, camera_subscriber_;
+  sensor_msgs::ImageConstPtr mask_;
+  sensor_msgs::CameraInfoConstPtr camera_;
+  TwistHistory velocities_;
+  std::size_t marked_ = 0;
+};
+
+}  // namespace radar_dot

@@ -1,0 +1,197 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "optical_flow_nodelet.h"
+
+#include <pluginlib/class_list_macros.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "radar_dot/vision/motion_segmentation.h"
+#include "radar_dot/vision/rigid_motion.h"
+#include "vision_parameters.h"
+
+namespace radar_dot {
+namespace {
+
+constexpr double kWaitingPeriod = 0.02;  // s, how often a waiting pair is looked at
+constexpr double kTwistHold = 0.3;       // s that the latest twist holds; only start values depend on it
+// Of the asked-for interval: images are not taken exactly in time.
+constexpr double kIntervalTolerance = 0.1;
+
+}  // namespace
+
+void OpticalFlowNodelet::onInit() {
+  setUp("flow");
+  ros::NodeHandle& handle = getNodeHandle();
+  extrinsics_ = std::make_unique<Extrinsics>(
+      getPrivateNodeHandle().param<std::string>("base_frame", "base_link"), handle);
+  motion_ = std::make_unique<EgoMotion>(
+      *extrinsics_, [this] { processWaiting(); },
+      [this](const std::string& text) { warn("rotation", text); });
+  image_ = &addInput("image");
+  depth_input_ = &addInput("depth");
+  camera_input_ = &addInput("camera_info");
+  twist_input_ = &addInput("ego/twist");
+  publisher_ = handle.advertise<Flow>("flow", 3);
+
+  server_ = serve<OpticalFlowConfig>(
+      [](const OpticalFlowConfig& config) { makeOpticalFlow(opticalFlowParams(config)); },
+      [this](const OpticalFlowConfig& config) { configure(config); });
+  try {
+    image_subscriber_ =
+        listenToImages(*image_, 1, [this](LazyPicture picture) { onImage(std::move(picture)); });
+  } catch (const std::invalid_argument& error) {
+    transport_error_ = error.what();
+    NODELET_FATAL("%s: %s", getName().c_str(), error.what());
+  }
+  waiting_timer_ =
+      handle.createWallTimer(ros::WallDuration(kWaitingPeriod), [this](const ros::WallTimerEvent&) {
+        if (waiting_) guard(*image_, [this] { processWaiting(); });
+      });
+}
+
+void OpticalFlowNodelet::configure(const OpticalFlowConfig& config) {
+  config_ = config;
+  flow_ = makeOpticalFlow(opticalFlowParams(config));
+  waiting_.reset();
+  const bool listening = static_cast<bool>(depth_subscriber_);
+  const bool wanted = config.initialisation == "expected";
+  if (wanted && !listening) listenForExpectedFlow();
+  if (!wanted && listening) stopListeningForExpectedFlow();
+}
+
+void OpticalFlowNodelet::listenForExpectedFlow() {
+  depth_subscriber_ =
+      listen<sensor_msgs::Image>(*depth_input_, "depth", 3, [this](const sensor_msgs::ImageConstPtr& depth) {
+        depths_.add(depth);
+        processWaiting();
+      });
+  camera_subscriber_ = listen<sensor_msgs::CameraInfo>(
+      *camera_input_, "camera_info", 3,
+      [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; });
+  twist_subscriber_ = listen<geometry_msgs::TwistWithCovarianceStamped>(
+      *twist_input_, "ego/twist", 10,
+      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion_->add(*twist); });
+}
+
+void OpticalFlowNodelet::stopListeningForExpectedFlow() {
+  for (ros::Subscriber* subscriber : {&depth_subscriber_, &camera_subscriber_, &twist_subscriber_}) {
+    subscriber->shutdown();
+    *subscriber = {};
+  }
+  for (InputMonitor* input : {depth_input_, camera_input_, twist_input_}) {
+    input->setTopic({});
+    input->reset();
+  }
+  depths_.clear();
+  camera_.reset();
+  motion_->forget();
+}
+
+void OpticalFlowNodelet::forgetThePast() {
+  previous_.reset();
+  waiting_.reset();
+  depths_.clear();
+  motion_->forget();
+  flow_->reset();
+}
+
+void OpticalFlowNodelet::onImage(LazyPicture picture) {
+  const auto current = std::make_shared<LazyPicture>(std::move(picture));
+  const SharedPicture before = previous_;
+  if (!before) {
+    previous_ = current;
+    return;
+  }
+  interval_ = current->header().stamp.toSec() - before->header().stamp.toSec();
+  if (interval_ < config_.pair_interval * (1.0 - kIntervalTolerance)) return;
+  previous_ = current;
+  if (interval_ > config_.max_pair_gap) {
+    ++apart_;
+    flow_->reset();
+    warn("gap", "images on '" + image_->topic() + "' " + std::to_string(interval_) +
+                    " s apart are no pair (max_pair_gap)");
+    return;
+  }
+  if (publisher_.getNumSubscribers() == 0) return;
+  if (waiting_) ++replaced_;
+  const bool forward = config_.direction == "forward";
+  waiting_ = Pair{forward ? before : current, forward ? current : before, ros::WallTime::now()};
+  processWaiting();
+}
+
+cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool patient, std::string& missing) {
+  const std_msgs::Header& first = pair.first->header();
+  const sensor_msgs::ImageConstPtr depth_message = depths_.find(first.stamp);
+  if (!depth_message || !camera_) {
+    missing = "no message with the stamp of the image on '" +
+              (camera_ ? depth_input_->topic() : camera_input_->topic()) + "'";
+    return {};
+  }
+  const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(first.frame_id, missing);
+  if (!T_base_from_camera) return {};
+  const std::optional<Eigen::Isometry3d> motion =
+      motion_->between(first.stamp, pair.second->header().stamp, kTwistHold, patient, missing);
+  if (!motion) return {};
+  const cv::Mat depth = radar_dot::depthOf(*depth_message);
+  const CameraIntrinsics camera = cameraOf(*camera_);
+  if (!isGridOf(depth.size(), {camera.width, camera.height})) {
+    throw std::invalid_argument("depth on '" + depth_input_->topic() + "' of " + sizeText(depth.size()) +
+                                " px does not have the shape of camera_info");
+  }
+  return expectedFlow(camera.scaledTo(depth.cols, depth.rows),
+                      staticPointMotion(*T_base_from_camera, *motion), depth);
+}
+
+void OpticalFlowNodelet::processWaiting() {
+  if (!waiting_) return;
+  const Pair pair = *waiting_;
+  cv::Mat expected;
+  if (config_.initialisation == "expected") {
+    const bool patient = (ros::WallTime::now() - pair.arrival).toSec() < config_.expected_timeout;
+    std::string missing;
+    expected = expectedFlowOf(pair, patient, missing);
+    if (expected.empty() && patient) return;
+    if (expected.empty()) {
+      ++without_start_;
+      warn("expected", "flow starts from nothing: " + missing);
+    }
+  }
+  waiting_.reset();
+  compute(pair, expected);
+}
+
+void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
+  const ros::WallTime start = ros::WallTime::now();
+  const cv::Mat& first = pair.first->pixels();
+  const FlowField field = flow_->compute(first, pair.second->pixels(), expected);
+  computation_time_ = (ros::WallTime::now() - start).toSec();
+  publisher_.publish(flowMessage(pair.first->header(), pair.second->header().stamp, field, first.size()));
+  latency_ =
+      ros::Time::now().toSec() - std::max(pair.first->header().stamp, pair.second->header().stamp).toSec();
+  ++computed_;
+}
+
+void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!transport_error_.empty()) {
+    status.summary(DiagnosticStatus::ERROR, transport_error_);
+  } else if (publisher_.getNumSubscribers() == 0) {
+    status.summary(DiagnosticStatus::OK, "nobody wants flow");
+  } else if (without_start_ > 0) {
+    status.summaryf(DiagnosticStatus::WARN, "%zu pairs started from nothing", without_start_);
+  } else {
+    status.summary(DiagnosticStatus::OK, "computing");
+  }
+  status.addf("interval of the pair (s)", "%.3f", interval_);
+  status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
+  status.addf("latency (ms)", "%.1f", 1e3 * latency_);
+  status.addf("pairs", "%zu", computed_);
+  status.addf("pairs replaced by later ones", "%zu", replaced_);
+  status.addf("images too far apart", "%zu", apart_);
+  without_start_ = 0;
+}
+
+}  // namespace radar_dot
+
+PLUGINLIB_EXPORT_CLASS(radar_dot::OpticalFlowNodelet, nodelet::Nodelet)

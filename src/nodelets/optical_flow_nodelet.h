@@ -1,0 +1,66 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ego_motion.h"
+#include "image_subscriber.h"
+#include "radar_dot/OpticalFlowConfig.h"
+#include "stamp_cache.h"
+
+namespace radar_dot {
+
+/// Optical flow between images of one camera, consecutive or a given time apart.
+///
+/// Only the latest pair is worked on: a slower machine gets pairs that lie farther apart, not later ones.
+class OpticalFlowNodelet : public ImageSubscriber {
+ private:
+  using SharedPicture = std::shared_ptr<LazyPicture>;
+  /// In the order of the flow: it lies on the grid of `first`.
+  struct Pair {
+    SharedPicture first, second;
+    ros::WallTime arrival;
+  };
+
+  void onInit() override;
+  void configure(const OpticalFlowConfig& config);
+  void listenForExpectedFlow();
+  void stopListeningForExpectedFlow();
+  void forgetThePast() override;
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
+
+  void onImage(LazyPicture picture);
+  /// Computes the waiting pair, when what it starts from is there or has been waited for long enough.
+  void processWaiting();
+  /// Flow of a static world; empty, with the reason in `missing`, when something is not there (yet).
+  cv::Mat expectedFlowOf(const Pair& pair, bool patient, std::string& missing);
+  void compute(const Pair& pair, const cv::Mat& expected);
+
+  OpticalFlowConfig config_ = OpticalFlowConfig::__getDefault__();
+  std::string transport_error_;
+  std::unique_ptr<OpticalFlow> flow_;
+  SharedPicture previous_;
+  std::optional<Pair> waiting_;
+
+  // For initialisation "expected".
+  std::unique_ptr<Extrinsics> extrinsics_;
+  std::unique_ptr<EgoMotion> motion_;
+  StampCache<sensor_msgs::Image> depths_;
+  sensor_msgs::CameraInfoConstPtr camera_;
+
+  InputMonitor* image_ = nullptr;
+  InputMonitor *depth_input_ = nullptr, *camera_input_ = nullptr, *twist_input_ = nullptr;
+  ros::Subscriber image_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_;
+  ros::Publisher publisher_;
+  std::unique_ptr<dynamic_reconfigure::Server<OpticalFlowConfig>> server_;
+  ros::WallTimer waiting_timer_;
+
+  double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;  // s, of the latest pair
+  std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0;
+};
+
+}  // namespace radar_dot

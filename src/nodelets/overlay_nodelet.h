@@ -1,0 +1,87 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <image_transport/image_transport.h>
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cloud_points.h"
+#include "image_subscriber.h"
+#include "radar_dot/OverlayConfig.h"
+#include "radar_dot/vision/drawing.h"
+#include "stamp_cache.h"
+
+namespace radar_dot {
+
+/// Pictures for people: the mask over the image, and the paper's six panels.
+///
+/// Listens to its inputs only while somebody looks at a picture. A mask waits for what belongs to its stamp;
+/// what has not come in time is missing in the picture.
+class OverlayNodelet : public ImageSubscriber {
+ private:
+  struct WaitingMask {
+    sensor_msgs::ImageConstPtr message;
+    ros::WallTime arrival;
+  };
+  /// What belongs to one stamp.
+  struct Parts {
+    std::shared_ptr<LazyPicture> image;
+    sensor_msgs::ImageConstPtr valid, depth, expected_flow;
+    FlowConstPtr flow;
+  };
+  /// A picture found again by its stamp.
+  struct KeptPicture {
+    ros::Time stamp;
+    std::shared_ptr<LazyPicture> picture;
+  };
+
+  void onInit() override;
+  void connect();
+  void disconnect();
+  void followSubscribers();
+  bool maskWanted() const { return mask_publisher_.getNumSubscribers() > 0; }
+  bool panelsWanted() const { return panels_publisher_.getNumSubscribers() > 0; }
+  void forgetThePast() override;
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
+
+  void keepImage(LazyPicture picture);
+  void onMask(const sensor_msgs::ImageConstPtr& mask);
+  void processWaiting();
+  Parts partsAt(const ros::Time& stamp) const;
+  std::string missingOf(const Parts& parts) const;
+  void draw(const sensor_msgs::ImageConstPtr& mask, const Parts& parts);
+  std::vector<RadarPixel> radarPixels(const std_msgs::Header& header);
+
+  OverlayConfig config_ = OverlayConfig::__getDefault__();
+  std::string transport_error_;
+  std::unique_ptr<Extrinsics> extrinsics_;
+  std::unique_ptr<EgoMotion> motion_;
+  std::unique_ptr<RecentClouds> static_returns_, dynamic_returns_;
+  std::deque<KeptPicture> images_;
+  StampCache<sensor_msgs::Image> valids_, depths_, expected_flows_;
+  StampCache<Flow> flows_;
+  sensor_msgs::CameraInfoConstPtr camera_;
+  std::deque<WaitingMask> waiting_;
+
+  InputMonitor *image_ = nullptr, *camera_input_ = nullptr, *mask_input_ = nullptr, *valid_input_ = nullptr,
+               *depth_input_ = nullptr, *flow_input_ = nullptr, *expected_input_ = nullptr,
+               *twist_input_ = nullptr, *static_input_ = nullptr, *dynamic_input_ = nullptr;
+  bool connected_ = false;
+  bool connected_for_panels_ = false;
+  std::vector<ros::Subscriber> subscribers_;
+  std::unique_ptr<image_transport::ImageTransport> transport_;
+  image_transport::Publisher mask_publisher_, panels_publisher_;
+  std::unique_ptr<dynamic_reconfigure::Server<OverlayConfig>> server_;
+  ros::WallTimer timer_;
+
+  ros::WallTime last_drawn_;
+  double drawing_time_ = 0.0;  // s, of the latest pictures
+  std::size_t drawn_ = 0, incomplete_since_report_ = 0;
+  std::string missing_;
+};
+
+}  // namespace radar_dot

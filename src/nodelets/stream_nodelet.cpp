@@ -1,0 +1,76 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stream_nodelet.h"
+
+#include "parameters.h"
+
+namespace radar_dot {
+
+using diagnostic_updater::DiagnosticStatusWrapper;
+
+void StreamNodelet::setUp(const std::string& what) {
+  const ros::NodeHandle& private_handle = getPrivateNodeHandle();
+  expectation_.rate = 0.0;  // cameras have all rates
+  expectation_.max_age = positiveParameter(private_handle, "max_age", 1.0);
+  expectation_.silent_after = positiveParameter(private_handle, "silent_after", 2.0);
+
+  diagnostics_ =
+      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
+  diagnostics_->setHardwareID("none");
+  diagnostics_->add(what, [this](DiagnosticStatusWrapper& status) {
+    report(status);
+    reportConfiguration(status);
+  });
+  // Wall time: the updater's own timing stops when a bag starts again.
+  diagnostics_timer_ = getNodeHandle().createWallTimer(
+      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+}
+
+InputMonitor& StreamNodelet::addInput(const std::string& name, bool required) {
+  inputs_.push_back(std::make_unique<InputMonitor>(name, expectation_, required));
+  InputMonitor* input = inputs_.back().get();
+  diagnostics_->add("input " + name,
+                    [input](DiagnosticStatusWrapper& status) { input->report(ros::Time::now(), status); });
+  return *input;
+}
+
+void StreamNodelet::reportConfiguration(DiagnosticStatusWrapper& status) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!configuration_error_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_error_);
+}
+
+void StreamNodelet::warn(const std::string& subject, const std::string& text) {
+  if (throttle_.allow(subject, text)) NODELET_WARN("%s: %s", getName().c_str(), text.c_str());
+}
+
+void StreamNodelet::startAnew(const ros::Time& now) {
+  NODELET_WARN("%s: time went back to %.3f s; starting anew", getName().c_str(), now.toSec());
+  for (const std::unique_ptr<InputMonitor>& input : inputs_) input->reset();
+  forgetThePast();
+}
+
+void StreamNodelet::guard(InputMonitor& input, const std::function<void()>& body) {
+  try {
+    const ros::Time now = ros::Time::now();
+    if (clock_.wentBack(now)) startAnew(now);
+    body();
+  } catch (const std::exception& error) {
+    // Whatever the data are: they must not end the process that we share with others.
+    input.refuse(error.what());
+    warn(input.name(), "message on '" + input.topic() + "' refused: " + error.what());
+  }
+}
+
+void StreamNodelet::take(InputMonitor& input, const std_msgs::Header& header,
+                         const std::function<void()>& body) {
+  guard(input, [&] {
+    const ros::Time now = ros::Time::now();
+    if (!input.accept(header, now)) {
+      startAnew(header.stamp);
+      input.accept(header, now);
+    }
+    body();
+  });
+}
+
+}  // namespace radar_dot

@@ -1,0 +1,122 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <dynamic_reconfigure/server.h>
+#include <nodelet/nodelet.h>
+#include <ros/ros.h>
+
+#include <exception>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config_mending.h"
+#include "input_monitor.h"
+#include "log_throttle.h"
+
+namespace radar_dot {
+
+/// What the nodelets of the image half have in common: no message ends the process, every input has a
+/// diagnostic that names its topic and what is wrong with it, and a step back of time starts all anew.
+///
+/// All callbacks run one after the other in the nodelet's single-threaded queue.
+class StreamNodelet : public nodelet::Nodelet {
+ protected:
+  /// Forgets everything that was received.
+  virtual void forgetThePast() = 0;
+  /// Adds figures and the nodelet's own verdict to the diagnostic called `what`.
+  virtual void report(diagnostic_updater::DiagnosticStatusWrapper& status) = 0;
+
+  /// Diagnostics, first of all. @param what  name of the diagnostic of report()
+  void setUp(const std::string& what);
+  /// An input with a diagnostic of its own.
+  InputMonitor& addInput(const std::string& name, bool required = true);
+
+  /// Subscribes an input; messages reach `body` only when their headers are in order. Whatever `body` throws
+  /// becomes a refusal.
+  template <typename Message>
+  ros::Subscriber listen(InputMonitor& input, const std::string& topic, std::uint32_t queue_size,
+                         std::function<void(const boost::shared_ptr<const Message>&)> body) {
+    ros::Subscriber subscriber = getNodeHandle().template subscribe<Message>(
+        topic, queue_size, [this, &input, body](const boost::shared_ptr<const Message>& message) {
+          take(input, message->header, [&] { body(message); });
+        });
+    input.setTopic(subscriber.getTopic());
+    return subscriber;
+  }
+  /// Stamps in any order, as of a topic that several sensors share.
+  template <typename Message>
+  ros::Subscriber listenUnordered(InputMonitor& input, const std::string& topic, std::uint32_t queue_size,
+                                  std::function<void(const boost::shared_ptr<const Message>&)> body) {
+    ros::Subscriber subscriber = getNodeHandle().template subscribe<Message>(
+        topic, queue_size, [this, &input, body](const boost::shared_ptr<const Message>& message) {
+          guard(input, [&] {
+            input.acceptUnordered(message->header, ros::Time::now());
+            body(message);
+          });
+        });
+    input.setTopic(subscriber.getTopic());
+    return subscriber;
+  }
+
+  /// Serves a dynamic_reconfigure configuration. `apply` throws std::invalid_argument, before it changes
+  /// anything, for what makes no sense: then the values from before stay; at start, bad values become their
+  /// defaults.
+  template <typename Config>
+  std::unique_ptr<dynamic_reconfigure::Server<Config>> serve(std::function<void(const Config&)> check,
+                                                             std::function<void(const Config&)> apply) {
+    auto server = std::make_unique<dynamic_reconfigure::Server<Config>>(getPrivateNodeHandle());
+    auto in_use = std::make_shared<std::optional<Config>>();
+    server->setCallback([this, check, apply, in_use](Config& config, std::uint32_t) {
+      config = in_use->has_value() ? reconfigured(config, **in_use, check) : configuredAtStart(config, check);
+      apply(config);
+      *in_use = config;
+    });
+    return server;
+  }
+
+  /// Runs `body`; whatever it throws becomes a refusal of the input.
+  void guard(InputMonitor& input, const std::function<void()>& body);
+  /// One line per subject, kind and five seconds.
+  void warn(const std::string& subject, const std::string& text);
+
+ private:
+  void take(InputMonitor& input, const std_msgs::Header& header, const std::function<void()>& body);
+  void startAnew(const ros::Time& now);
+  void reportConfiguration(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+  template <typename Config>
+  Config reconfigured(const Config& wanted, const Config& in_use,
+                      const std::function<void(const Config&)>& check) {
+    const std::string defect = mending::defectOf(wanted, check);
+    if (defect.empty()) {
+      configuration_error_.clear();
+      return wanted;
+    }
+    NODELET_ERROR("%s: %s; keeping the parameters as they were", getName().c_str(), defect.c_str());
+    return in_use;
+  }
+  template <typename Config>
+  Config configuredAtStart(const Config& wanted, const std::function<void(const Config&)>& check) {
+    const Mended<Config> mended = mend(wanted, check);
+    for (const std::string& problem : mended.problems) {
+      NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
+      configuration_error_ += (configuration_error_.empty() ? "" : "; ") + problem;
+    }
+    return mended.valid ? mended.config : Config::__getDefault__();
+  }
+
+  StreamExpectation expectation_;
+  std::vector<std::unique_ptr<InputMonitor>> inputs_;
+  ClockWatch clock_;
+  LogThrottle throttle_;
+  std::string configuration_error_;
+  std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
+  ros::WallTimer diagnostics_timer_;
+};
+
+}  // namespace radar_dot

@@ -1,0 +1,52 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vision_parameters.h"
+
+namespace radar_dot {
+
+OpticalFlowParams opticalFlowParams(const OpticalFlowConfig& config) {
+  OpticalFlowParams params;
+  params.backend = config.backend;
+  params.working_width = config.working_width;
+  params.preset = config.preset;
+  params.initialisation = config.initialisation;
+  params.forward_backward = config.forward_backward;
+  params.forward_backward_absolute = config.forward_backward_absolute;
+  params.forward_backward_relative = config.forward_backward_relative;
+  return params;
+}
+
+DepthParams depthParams(const DepthConfig& config) {
+  DepthParams params;
+  params.backend = config.backend;
+  params.max_depth = config.max_depth;
+  params.ground_pitch = config.ground_pitch;
+  params.ground_height = config.ground_height;
+  params.column_height = config.column_height;
+  params.column_half_width = config.column_half_width;
+  params.azimuth_std = config.azimuth_std;
+  params.image_edges = config.image_edges;
+  params.background_depth = config.background_depth;
+  params.background_angle = config.background_angle;
+  params.completion_kernel = config.completion_kernel;
+  return params;
+}
+
+MotionParams motionParams(const DynamicSegmentationConfig& config) {
+  MotionParams params;
+  params.k = config.k;
+  params.lambda = config.lambda;
+  params.min_depth = config.min_depth;
+  params.foe_std = config.foe_std;
+  params.occlusion_margin = config.occlusion_margin;
+  params.max_depth = config.max_depth;
+  params.opening = config.opening;
+  params.closing = config.closing;
+  params.min_threshold = config.min_threshold;
+  params.predicted_in_view = config.predicted_in_view;
+  params.radar_gain = config.radar_gain;
+  params.radar_radius = config.radar_radius;
+  return params;
+}
+
+}  // namespace radar_dot

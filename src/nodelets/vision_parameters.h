@@ -1,0 +1,23 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "radar_dot/DepthConfig.h"
+#include "radar_dot/DynamicSegmentationConfig.h"
+#include "radar_dot/OpticalFlowConfig.h"
+#include "radar_dot/vision/depth_estimator.h"
+#include "radar_dot/vision/motion_segmentation.h"
+#include "radar_dot/vision/optical_flow.h"
+
+namespace radar_dot {
+
+/// Parameters of the vision room as configured. What makes no sense is refused by the makers of the vision
+/// room (makeOpticalFlow, makeDepthEstimator, validate).
+OpticalFlowParams opticalFlowParams(const OpticalFlowConfig& config);
+DepthParams depthParams(const DepthConfig& config);
+MotionParams motionParams(const DynamicSegmentationConfig& config);
+
+/// The name of the depth backend that takes somebody else's depth.
+inline constexpr const char* kTopicBackend = "topic";
+
+}  // namespace radar_dot
