@@ -2,15 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <utility>
 
+#include "mask_feedback.h"
+#include "mask_folder.h"
 #include "radar_dot/radar/odometry.h"
 #include "radar_dot/radar/sweep_assembler.h"
 #include "radar_scene.h"
+#include "wheel_speed.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -20,11 +27,34 @@ using dataset::Index;
 constexpr double kReportedRange = 70.0;  // m; movers beyond are hardly annotated
 
 /// A velocity of the trajectory pass.
-struct StampedVelocity {
-  double time = 0.0;
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+struct EstimatedVelocity : StampedVelocity {
+  EstimatedVelocity(double stamp, const EgoVelocityResult& result)
+      : StampedVelocity{stamp, result.linear, result.angular}, covariance(result.covariance) {}
+  Eigen::Matrix<double, 6, 6> covariance;
+};
+
+/// What saved masks tell the estimator; nothing without them.
+class SavedMasks {
+ public:
+  SavedMasks(const dataset::Tables& tables, Index scene, const VelocityEvaluationOptions& options)
+      : feedback_(options.max_mask_age) {
+    if (!options.mask_directory.empty())
+      folder_.emplace(tables, scene, options.mask_directory, options.mask_channel, options.mask_delay);
+  }
+  /// Marks the returns of the scans of an estimate at `time`, with the velocity estimated last before.
+  void mark(std::vector<RadarScan>& scans, const std::vector<EstimatedVelocity>& velocities, double time) {
+    if (!folder_) return;
+    const auto after =
+        std::upper_bound(velocities.begin(), velocities.end(), time,
+                         [](double t, const EstimatedVelocity& velocity) { return t < velocity.time; });
+    if (after == velocities.begin()) return;
+    feedback_.mark(
+        scans, [this](double scan_time) { return folder_->before(scan_time); }, *std::prev(after));
+  }
+
+ private:
+  std::optional<MaskFolder> folder_;
+  MaskFeedback feedback_;
 };
 
 EgoVelocityParams variantParams(EgoVelocityParams params, const std::string& variant) {
@@ -54,36 +84,6 @@ std::vector<Interval> intervalsOf(const RadarScene& scene) {
   return intervals;
 }
 
-/// Wheel speed at `time` and its mean over an interval, m/s.
-class WheelSpeed {
- public:
-  explicit WheelSpeed(const std::vector<dataset::CanVehicleInfo>& wheels) : wheels_(wheels) {}
-  std::optional<double> at(double time) const {
-    const auto stamp = static_cast<std::int64_t>(std::llround(time * 1e6));
-    const auto after =
-        std::lower_bound(wheels_.begin(), wheels_.end(), stamp,
-                         [](const auto& info, std::int64_t t) { return info.timestamp_us < t; });
-    if (after == wheels_.begin() || after == wheels_.end()) return std::nullopt;
-    const auto before = std::prev(after);
-    const double share = static_cast<double>(stamp - before->timestamp_us) /
-                         static_cast<double>(after->timestamp_us - before->timestamp_us);
-    return (1.0 - share) * dataset::rearAxleSpeed(*before) + share * dataset::rearAxleSpeed(*after);
-  }
-  std::optional<double> mean(double begin, double end) const {
-    constexpr int kSteps = 50;
-    double sum = 0.0;
-    for (int i = 0; i <= kSteps; ++i) {
-      const std::optional<double> speed = at(begin + (end - begin) * i / kSteps);
-      if (!speed) return std::nullopt;
-      sum += *speed / (kSteps + 1);
-    }
-    return sum;
-  }
-
- private:
-  const std::vector<dataset::CanVehicleInfo>& wheels_;
-};
-
 /// Every sweep of the scene, assembled as on a vehicle where each scan arrives at its stamp.
 std::vector<Sweep> assembleSweeps(const RadarScene& scene, const VelocityEvaluationOptions& options) {
   std::vector<SweepScan> arrivals;
@@ -109,9 +109,10 @@ std::vector<Sweep> assembleSweeps(const RadarScene& scene, const VelocityEvaluat
 }
 
 /// Estimates every sweep of the scene.
-std::vector<StampedVelocity> estimateSweeps(const RadarScene& scene, const VelocityEvaluationOptions& options,
-                                            VelocityReport& report) {
-  std::vector<StampedVelocity> velocities;
+std::vector<EstimatedVelocity> estimateSweeps(const RadarScene& scene,
+                                              const VelocityEvaluationOptions& options, SavedMasks& masks,
+                                              VelocityReport& report) {
+  std::vector<EstimatedVelocity> velocities;
   EgoVelocityEstimator estimator(options.estimator);
   AccelerationTracker tracker;
   for (const Sweep& sweep : assembleSweeps(scene, options)) {
@@ -121,6 +122,7 @@ std::vector<StampedVelocity> estimateSweeps(const RadarScene& scene, const Veloc
       scans.push_back({&loaded->returns, scene.radars[scan.radar].T_base_from_sensor, scan.time, nullptr});
     }
     ++report.sweeps;
+    masks.mark(scans, velocities, sweep.time());
     const EgoVelocityResult& result =
         estimator.estimate(scans, sweep.time(), tracker.acceleration(sweep.time()));
     if (!result.valid()) {
@@ -128,15 +130,15 @@ std::vector<StampedVelocity> estimateSweeps(const RadarScene& scene, const Veloc
       continue;
     }
     if (result.observed[0]) tracker.add(sweep.time(), result.linear);
-    velocities.push_back({sweep.time(), result.linear, result.angular, result.covariance});
+    velocities.emplace_back(sweep.time(), result);
   }
   return velocities;
 }
 
 /// Acceleration from the velocities up to `time`.
-Eigen::Vector3d accelerationAt(const std::vector<StampedVelocity>& velocities, double time) {
+Eigen::Vector3d accelerationAt(const std::vector<EstimatedVelocity>& velocities, double time) {
   AccelerationTracker tracker;
-  for (const StampedVelocity& velocity : velocities) {
+  for (const EstimatedVelocity& velocity : velocities) {
     if (velocity.time > time) break;
     if (time - velocity.time < 1.0) tracker.add(velocity.time, velocity.linear);
   }
@@ -157,7 +159,8 @@ void addErrors(const EgoVelocityResult& result, const Eigen::Vector3d& truth, do
 }
 
 void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& options,
-                   const std::vector<StampedVelocity>& velocities, VelocityReport& report) {
+                   const std::vector<EstimatedVelocity>& velocities, SavedMasks& masks,
+                   VelocityReport& report) {
   std::map<std::string, EgoVelocityEstimator> variants;
   for (const char* variant : kVariants) {
     variants.emplace(variant, EgoVelocityEstimator(variantParams(options.estimator, variant)));
@@ -178,6 +181,7 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
       const auto nearest = nearestScan(radar, middle, interval.half());
       if (nearest) scans.push_back(radar.scan(*nearest));
     }
+    masks.mark(scans, velocities, middle);
     const Eigen::Vector3d acceleration = accelerationAt(velocities, middle);
     const Eigen::Vector3d truth = scene.truth.meanVelocity(interval.begin, interval.end);
     const double true_yaw_rate = scene.truth.meanYawRate(interval.begin, interval.end);
@@ -237,12 +241,12 @@ void evaluateMounts(const RadarScene& scene, const VelocityEvaluationOptions& op
   }
 }
 
-void evaluateTrajectory(const RadarScene& scene, const std::vector<StampedVelocity>& velocities,
+void evaluateTrajectory(const RadarScene& scene, const std::vector<EstimatedVelocity>& velocities,
                         VelocityReport& report) {
   for (const bool with_heading : {true, false}) {
     VelocityIntegrator integrator;
     std::vector<StampedPose> path;
-    for (const StampedVelocity& velocity : velocities) {
+    for (const EstimatedVelocity& velocity : velocities) {
       if (!scene.truth.covers(velocity.time)) continue;
       const Eigen::Isometry3d truth = scene.truth.at(velocity.time);
       if (path.empty()) integrator.reset(truth);
@@ -256,7 +260,8 @@ void evaluateTrajectory(const RadarScene& scene, const std::vector<StampedVeloci
 }
 
 void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
-                    const VelocityEvaluationOptions& options, const std::vector<StampedVelocity>& velocities,
+                    const VelocityEvaluationOptions& options,
+                    const std::vector<EstimatedVelocity>& velocities, SavedMasks& masks,
                     VelocityReport& report) {
   const bool annotated = std::any_of(scene.keyframe_samples.begin(), scene.keyframe_samples.end(),
                                      [&](Index sample) { return !tables.annotationsOf(sample).empty(); });
@@ -272,6 +277,7 @@ void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
     }
     const double time = scene.keyframe_times[k];
     if (!scene.truth.covers(time)) continue;
+    masks.mark(scans, velocities, time);
     const EgoVelocityResult& result = estimator.estimate(scans, time, accelerationAt(velocities, time));
     if (!result.valid()) continue;
     const std::vector<MovingBox> boxes = boxesAt(tables, sample);
@@ -304,6 +310,14 @@ void correctMounts(RadarScene& scene, const std::map<std::string, double>& corre
     }
     radar->T_base_from_sensor.linear() =
         Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * radar->T_base_from_sensor.linear();
+  }
+}
+
+void validateMaskTimes(const VelocityEvaluationOptions& options) {
+  for (const auto& [name, value] :
+       {std::pair{"max_mask_age", options.max_mask_age}, std::pair{"mask_delay", options.mask_delay}}) {
+    if (!(value >= 0.0))
+      throw std::invalid_argument(fmt::format("{} is {}, must be zero or positive", name, value));
   }
 }
 
@@ -348,6 +362,7 @@ VelocityReport& VelocityReport::operator+=(const VelocityReport& other) {
 
 VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
                                    const VelocityEvaluationOptions& options) {
+  validateMaskTimes(options);
   VelocityReport report;
   report.scene = tables.scenes[static_cast<std::size_t>(scene)].name;
   RadarScene loaded = loadRadarScene(tables, scene, options.channels, options.extraction);
@@ -357,11 +372,12 @@ VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
       report.missing_files[radar.channel] = {radar.listed - radar.scans.size(), radar.listed};
     }
   }
-  const std::vector<StampedVelocity> velocities = estimateSweeps(loaded, options, report);
-  evaluatePairs(loaded, options, velocities, report);
+  SavedMasks masks(tables, scene, options);
+  const std::vector<EstimatedVelocity> velocities = estimateSweeps(loaded, options, masks, report);
+  evaluatePairs(loaded, options, velocities, masks, report);
   evaluateMounts(loaded, options, report);
   evaluateTrajectory(loaded, velocities, report);
-  evaluateLabels(tables, loaded, options, velocities, report);
+  evaluateLabels(tables, loaded, options, velocities, masks, report);
   return report;
 }
 

@@ -35,10 +35,11 @@ inline void count(JsonWriter& writer, const char* key, std::size_t value) {
   writer.Uint64(value);
 }
 
-/// {"scenes": [...], "overall": ...}; `write(report, is_overall)` writes one of them.
-template <typename Report, typename Write>
+/// {"scenes": [...], "overall": ..., more}; `write(report, is_overall)` writes one of them, `more()` further
+/// members.
+template <typename Report, typename Write, typename More>
 void writeScenes(JsonWriter& writer, const std::vector<Report>& scenes, const Report& overall,
-                 const Write& write) {
+                 const Write& write, const More& more) {
   writer.StartObject();
   writer.Key("scenes");
   writer.StartArray();
@@ -46,7 +47,14 @@ void writeScenes(JsonWriter& writer, const std::vector<Report>& scenes, const Re
   writer.EndArray();
   writer.Key("overall");
   write(overall, true);
+  more();
   writer.EndObject();
+}
+
+template <typename Report, typename Write>
+void writeScenes(JsonWriter& writer, const std::vector<Report>& scenes, const Report& overall,
+                 const Write& write) {
+  writeScenes(writer, scenes, overall, write, [] {});
 }
 
 }  // namespace radar_dot::evaluation

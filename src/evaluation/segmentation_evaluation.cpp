@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "mask_feedback.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "radar_scene.h"
 #include "scene_images.h"
@@ -65,7 +66,8 @@ class SceneRunner {
         radar_(loadRadarScene(tables, scene, options.radar_channels, options.extraction)),
         images_(tables, radar_, options),
         estimator_(options.estimator),
-        segmenter_(options.motion) {}
+        segmenter_(options.motion),
+        feedback_(options.max_mask_age) {}
 
   void evaluate(const ImagePair& pair, const cv::Mat& truth, SegmentationReport& report);
 
@@ -74,8 +76,10 @@ class SceneRunner {
     Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
     std::vector<Eigen::Vector3f> dynamic_points;  // m, base frame, nearest to the begin
   };
+  std::vector<RadarScan> scansAt(double time);
   std::optional<Velocity> velocityOf(double begin, double end);
-  std::optional<Eigen::Isometry3d> motionOf(const ImagePair& pair, MotionInput& input);
+  std::optional<Eigen::Isometry3d> motionOf(const ImagePair& pair, MotionInput& input, Mean& velocity_error);
+  void remember(const ImagePair& pair, const cv::Mat& mask, const CameraIntrinsics& grid);
   cv::Mat ignoredOf(const ImagePair& pair, const CameraIntrinsics& grid, double pixel_scale);
 
   const SegmentationEvaluationOptions& options_;
@@ -83,7 +87,24 @@ class SceneRunner {
   SceneImages images_;
   EgoVelocityEstimator estimator_;
   MotionSegmenter segmenter_;
+  MaskFeedback feedback_;
+  std::optional<StampedMask> latest_mask_;
+  std::optional<StampedVelocity> latest_velocity_;
 };
+
+/// The scans nearest to a time, and what the latest mask says of them. Pairs come in time order, so that it
+/// is a mask of a pair before.
+std::vector<RadarScan> SceneRunner::scansAt(double time) {
+  std::vector<RadarScan> scans;
+  for (const LoadedRadar& radar : radar_.radars) {
+    if (const std::optional<std::size_t> nearest = nearestScan(radar, time, kSensorReach))
+      scans.push_back(radar.scan(*nearest));
+  }
+  if (latest_mask_ && latest_velocity_)
+    feedback_.mark(
+        scans, [this](double) { return &*latest_mask_; }, *latest_velocity_);
+  return scans;
+}
 
 std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, double end) {
   const int steps = options_.velocity == "radar_start"
@@ -94,13 +115,10 @@ std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, doubl
   for (int i = 0; i < steps; ++i) {
     const double time =
         options_.velocity == "radar_start" ? begin : begin + (end - begin) * (i + 0.5) / steps;
-    std::vector<RadarScan> scans;
-    for (const LoadedRadar& radar : radar_.radars) {
-      if (const std::optional<std::size_t> nearest = nearestScan(radar, time, kRadarReach))
-        scans.push_back(radar.scan(*nearest));
-    }
+    const std::vector<RadarScan> scans = scansAt(time);
     const EgoVelocityResult& result = estimator_.estimate(scans, time);
     if (!result.valid()) continue;
+    latest_velocity_ = {time, result.linear, result.angular};
     mean.linear += result.linear;
     mean.angular += result.angular;
     if (count++ > 0) continue;
@@ -117,7 +135,15 @@ std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, doubl
   return mean;
 }
 
-std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, MotionInput& input) {
+/// Keeps the mask of a pair for the velocities after it. It lives at the time of the pair's first image.
+void SceneRunner::remember(const ImagePair& pair, const cv::Mat& mask, const CameraIntrinsics& grid) {
+  if (!options_.mask_to_velocity) return;
+  const dataset::SampleData& first = images_.reading(pair.first);
+  latest_mask_ = {secondsOf(first), mask, grid, images_.mountOf(first).inverse()};
+}
+
+std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, MotionInput& input,
+                                                       Mean& velocity_error) {
   const dataset::SampleData& first = images_.reading(pair.first);
   const double begin = secondsOf(first);
   const double end = secondsOf(images_.reading(pair.second));
@@ -127,6 +153,10 @@ std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, Mo
     return truth;
   const std::optional<Velocity> velocity = velocityOf(begin, end);
   if (!velocity) return std::nullopt;
+  if (options_.velocity != "ground_truth") {
+    const Eigen::Vector3d true_velocity = radar_.truth.meanVelocity(begin, end);
+    velocity_error.add((velocity->linear - true_velocity).head<2>().norm());
+  }
   const Eigen::Isometry3f T_camera_from_base = images_.mountOf(first).inverse().cast<float>();
   for (const Eigen::Vector3f& point : velocity->dynamic_points)
     input.dynamic_points.emplace_back(T_camera_from_base * point);
@@ -176,7 +206,7 @@ void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, Segmenta
   MotionInput input;
   input.camera = images_.gridOf(pair.first);
   input.pixel_scale = static_cast<double>(images_.reading(pair.first).width) / input.camera.width;
-  const std::optional<Eigen::Isometry3d> motion = motionOf(pair, input);
+  const std::optional<Eigen::Isometry3d> motion = motionOf(pair, input, report.velocity_error);
   ++report.frames;
   cv::Mat mask = cv::Mat::zeros(input.camera.height, input.camera.width, CV_8UC1);
   if (motion) {
@@ -189,6 +219,7 @@ void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, Segmenta
     const auto start = std::chrono::steady_clock::now();
     mask = segmenter_.segment(input).mask.clone();
     report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    remember(pair, mask, input.camera);
   } else {
     ++report.without_motion;
   }
@@ -216,8 +247,12 @@ void validate(const SegmentationEvaluationOptions& options) {
   one_of("rotation", options.rotation, {"ground_truth", "radar"});
   if (options.flow == "files" && options.flow_directory.empty())
     throw std::invalid_argument("flow 'files' needs a folder with the flows");
-  if (options.depth == "files" && options.depth_directory.empty())
-    throw std::invalid_argument("depth 'files' needs a folder with the depths");
+  if (options.mask_to_velocity && options.velocity == "ground_truth")
+    throw std::invalid_argument("mask_to_velocity needs a velocity by radar, not 'ground_truth'");
+  if (!(options.max_mask_age >= 0.0)) {
+    throw std::invalid_argument(
+        fmt::format("max_mask_age is {}, must be zero or positive", options.max_mask_age));
+  }
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "report_format.h"
+#include "segmentation_fields.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -30,15 +31,17 @@ auto countsOf(Report& report) {
       std::pair{"false_positives", &report.pixels.false_positives},
       std::pair{"false_negatives", &report.pixels.false_negatives},
       std::pair{"true_negatives", &report.pixels.true_negatives},
+      std::pair{"velocity_error_count", &report.velocity_error.count},
   };
 }
 
-std::array<std::pair<const char*, double>, 5> figuresOf(const SegmentationReport& report) {
-  return {{{"iou", report.iou()},
-           {"precision", report.pixels.precision()},
-           {"recall", report.pixels.recall()},
-           {"f1", report.pixels.f1()},
-           {"false_positive_share", report.falsePositiveShare()}}};
+/// Its sums.
+template <typename Report>
+auto sumsOf(Report& report) {
+  return std::array{
+      std::pair{"seconds", &report.seconds},
+      std::pair{"velocity_error_sum", &report.velocity_error.sum},
+  };
 }
 
 std::string row(const SegmentationReport& report, const std::string& name) {
@@ -49,6 +52,17 @@ std::string row(const SegmentationReport& report, const std::string& name) {
   return line;
 }
 
+}  // namespace
+
+std::array<std::pair<const char*, double>, 6> figuresOf(const SegmentationReport& report) {
+  return {{{"iou", report.iou()},
+           {"precision", report.pixels.precision()},
+           {"recall", report.pixels.recall()},
+           {"f1", report.pixels.f1()},
+           {"false_positive_share", report.falsePositiveShare()},
+           {"velocity_error", report.velocity_error.value()}}};
+}
+
 void writeReport(JsonWriter& writer, const SegmentationReport& report, bool overall) {
   writer.StartObject();
   if (!overall) {
@@ -57,30 +71,46 @@ void writeReport(JsonWriter& writer, const SegmentationReport& report, bool over
   }
   for (const auto& [key, value] : figuresOf(report)) number(writer, key, value);
   for (const auto& [key, value] : countsOf(report)) count(writer, key, *value);
-  number(writer, "seconds", report.seconds);
+  for (const auto& [key, value] : sumsOf(report)) number(writer, key, *value);
   writer.EndObject();
 }
 
-SegmentationReport readReport(const rapidjson::Value& value, const std::string& where) {
+SegmentationReport readCounts(const rapidjson::Value& value, const std::string& where) {
   const auto refuse = [&where](const char* field, const char* wanted) -> std::runtime_error {
     return std::runtime_error(fmt::format("{}: field '{}' is missing or is not {}", where, field, wanted));
   };
   if (!value.IsObject()) throw std::runtime_error(where + ": is not an object");
   SegmentationReport report;
-  if (!value.HasMember("scene") || !value["scene"].IsString()) throw refuse("scene", "a text");
-  report.scene = value["scene"].GetString();
   for (const auto& [key, target] : countsOf(report)) {
     if (!value.HasMember(key) || !value[key].IsUint64()) throw refuse(key, "a count");
     *target = value[key].GetUint64();
   }
-  if (report.without_motion > report.frames) throw refuse("without_motion", "at most 'frames'");
-  if (!value.HasMember("seconds") || !value["seconds"].IsNumber()) throw refuse("seconds", "a number");
-  report.seconds = value["seconds"].GetDouble();
-  if (report.seconds < 0.0) throw refuse("seconds", "0 or more");
+  for (const char* part : {"without_motion", "velocity_error_count"})
+    if (value[part].GetUint64() > report.frames) throw refuse(part, "at most 'frames'");
+  for (const auto& [key, target] : sumsOf(report)) {
+    if (!value.HasMember(key) || !value[key].IsNumber()) throw refuse(key, "a number");
+    *target = value[key].GetDouble();
+    if (*target < 0.0) throw refuse(key, "0 or more");
+  }
   return report;
 }
 
-}  // namespace
+rapidjson::Document readResult(const std::string& file) {
+  std::ifstream stream(file);
+  if (!stream) throw std::runtime_error(file + ": cannot be opened");
+  rapidjson::IStreamWrapper wrapper(stream);
+  rapidjson::Document document;
+  // Not recursive: a file nested deeply is an error, not the end of the stack.
+  document.ParseStream<rapidjson::kParseIterativeFlag>(wrapper);
+  if (document.HasParseError()) {
+    throw std::runtime_error(fmt::format("{}: byte {}: {}", file, document.GetErrorOffset(),
+                                         rapidjson::GetParseError_En(document.GetParseError())));
+  }
+  if (!document.IsObject() || !document.HasMember("scenes") || !document["scenes"].IsArray())
+    throw std::runtime_error(file +
+                             ": has no list 'scenes'; it must be a result of evaluate_segmentation --json");
+  return document;
+}
 
 double SegmentationReport::iou() const {
   const std::size_t either = pixels.true_positives + pixels.false_positives + pixels.false_negatives;
@@ -99,12 +129,13 @@ SegmentationReport& SegmentationReport::operator+=(const SegmentationReport& oth
   without_motion += other.without_motion;
   pixels += other.pixels;
   seconds += other.seconds;
+  velocity_error += other.velocity_error;
   return *this;
 }
 
 std::string formatTable(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall) {
-  std::string table = fmt::format("{:<14}{:>7}{:>11}{:>11}{:>11}{:>11}{:>11}{:>9}\n", "Scene", "Frames",
-                                  "IoU", "Precision", "Recall", "F1", "FP share", "mask ms");
+  std::string table = fmt::format("{:<14}{:>7}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}{:>9}\n", "Scene", "Frames",
+                                  "IoU", "Precision", "Recall", "F1", "FP share", "v err m/s", "mask ms");
   for (const SegmentationReport& scene : scenes) table += row(scene, scene.scene);
   return table + row(overall, "Overall");
 }
@@ -122,13 +153,15 @@ std::string formatCsv(const std::vector<SegmentationReport>& scenes, const Segme
   std::string text = "scene";
   for (const auto& [key, value] : figuresOf(overall)) text += fmt::format(",{}", key);
   for (const auto& [key, value] : countsOf(overall)) text += fmt::format(",{}", key);
-  text += ",seconds\n";
+  for (const auto& [key, value] : sumsOf(overall)) text += fmt::format(",{}", key);
+  text += "\n";
   const auto line = [&text](const SegmentationReport& report, const std::string& name) {
     text += name;
     for (const auto& [key, value] : figuresOf(report))
       text += std::isfinite(value) ? fmt::format(",{:.6f}", value) : ",";
     for (const auto& [key, value] : countsOf(report)) text += fmt::format(",{}", *value);
-    text += fmt::format(",{:.6f}\n", report.seconds);
+    for (const auto& [key, value] : sumsOf(report)) text += fmt::format(",{:.6f}", *value);
+    text += "\n";
   };
   for (const SegmentationReport& scene : scenes) line(scene, scene.scene);
   line(overall, "overall");
@@ -139,22 +172,14 @@ std::vector<SegmentationReport> mergeJson(const std::vector<std::string>& files)
   std::map<std::string, SegmentationReport> by_name;
   std::map<std::string, std::string> file_of;
   for (const std::string& file : files) {
-    std::ifstream stream(file);
-    if (!stream) throw std::runtime_error(file + ": cannot be opened");
-    rapidjson::IStreamWrapper wrapper(stream);
-    rapidjson::Document document;
-    // Not recursive: a file nested deeply is an error, not the end of the stack.
-    document.ParseStream<rapidjson::kParseIterativeFlag>(wrapper);
-    if (document.HasParseError()) {
-      throw std::runtime_error(fmt::format("{}: byte {}: {}", file, document.GetErrorOffset(),
-                                           rapidjson::GetParseError_En(document.GetParseError())));
-    }
-    if (!document.IsObject() || !document.HasMember("scenes") || !document["scenes"].IsArray())
-      throw std::runtime_error(file +
-                               ": has no list 'scenes'; it must be a result of evaluate_segmentation --json");
+    const rapidjson::Document document = readResult(file);
     std::size_t record = 0;
     for (const rapidjson::Value& value : document["scenes"].GetArray()) {
-      SegmentationReport report = readReport(value, fmt::format("{}: scene {}", file, record++));
+      const std::string where = fmt::format("{}: scene {}", file, record++);
+      SegmentationReport report = readCounts(value, where);
+      if (!value.HasMember("scene") || !value["scene"].IsString())
+        throw std::runtime_error(where + ": field 'scene' is missing or is not a text");
+      report.scene = value["scene"].GetString();
       const std::string name = report.scene;
       if (const auto [found, is_new] = file_of.try_emplace(name, file); !is_new) {
         throw std::runtime_error(

@@ -71,6 +71,23 @@ void declare(CLI::App& app, Arguments& arguments) {
                "Label by the residual threshold alone, without neighbours");
 }
 
+void declareMasks(CLI::App& app, VelocityEvaluationOptions& options) {
+  app.add_option(
+      "--masks", options.mask_directory,
+      "Folder of evaluate_segmentation --save-masks: returns in the newest mask at or before their "
+      "scan are dynamic");
+  app.add_option("--mask-channel", options.mask_channel, "Camera of the masks")->capture_default_str();
+  app.add_option("--max-mask-age", options.max_mask_age, "s, from the image of a mask to the scan")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  app.add_option(
+         "--mask-delay", options.mask_delay,
+         "s, from an image to the time its mask is known; 0.5 for masks of pairs of keyframes is what "
+         "a vehicle has")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+}
+
 /// "RADAR_FRONT=-0.012" -> {"RADAR_FRONT", -0.012}.
 std::map<std::string, double> parseCorrections(const std::vector<std::string>& texts) {
   std::map<std::string, double> corrections;
@@ -135,6 +152,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   arguments.options.extraction.doppler_scale = radar_dot::evaluation::kNuscenesDopplerScale;
   declare(app, arguments);
+  declareMasks(app, arguments.options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

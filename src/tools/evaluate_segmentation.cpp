@@ -3,28 +3,24 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <atomic>
+#include <cstddef>
 #include <exception>
 #include <filesystem>
-#include <map>
-#include <mutex>
-#include <numeric>
-#include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "progress_bar.h"
+#include "depth_options.h"
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
+#include "radar_dot/evaluation/loop_comparison.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "result_files.h"
-#include "signal_watch.h"
+#include "segmentation_runner.h"
 
 namespace {
 
 namespace dataset = radar_dot::dataset;
+using radar_dot::evaluation::LoopResult;
 using radar_dot::evaluation::SegmentationEvaluationOptions;
 using radar_dot::evaluation::SegmentationReport;
 
@@ -34,6 +30,7 @@ struct Arguments {
   std::string dataroot, version = "v1.0-mini";
   std::vector<std::string> scenes, merge;
   int jobs = 1;
+  bool compare_loop = false;
   radar_dot::tools::ResultFiles files;
   SegmentationEvaluationOptions options;
 };
@@ -55,16 +52,10 @@ void declareInputs(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--flow", options.flow, "dis, ground_truth, files")->capture_default_str();
   app.add_option("--flow-directory", options.flow_directory, "Folder of 16-bit PNG flows, for --flow files");
-  app.add_option("--depth", options.depth, "radar_ground, lidar, ground_truth, noisy, files")
-      ->capture_default_str();
-  app.add_option("--depth-directory", options.depth_directory,
-                 "Folder of 16-bit PNG depths, for --depth files");
+  radar_dot::tools::declareDepthSource(app, options.depth, options.depth_directory);
   app.add_option("--velocity", options.velocity, "radar, radar_start, ground_truth")->capture_default_str();
   app.add_option("--rotation", options.rotation, "ground_truth (the paper), radar")->capture_default_str();
-  app.add_option("--working-width", options.working_width,
-                 "px, grid of flow, depth and mask; 0 = the image's")
-      ->check(CLI::Range(0, 100000))
-      ->capture_default_str();
+  radar_dot::tools::declareGrid(app, options.working_width);
   app.add_option("--doppler-scale", options.extraction.doppler_scale, "Factor on every Doppler velocity")
       ->check(CLI::Range(-10.0, 10.0))
       ->capture_default_str();
@@ -90,26 +81,32 @@ void declareMethod(CLI::App& app, SegmentationEvaluationOptions& options) {
       ->capture_default_str();
   app.add_flag("--predicted-in-view,!--no-predicted-in-view", motion.predicted_in_view,
                "Exclude pixels whose prediction leaves the image (default: on)");
-  app.add_option("--radar-gain", motion.radar_gain,
-                 "Dynamic returns raise the score by this factor, less 1; 0 = off")
-      ->capture_default_str();
-  app.add_option("--radar-radius", motion.radar_radius, "m, around a dynamic return")->capture_default_str();
   radar_dot::OpticalFlowParams& flow = options.optical_flow;
   app.add_option("--preset", flow.preset, "ultrafast, fast, medium, fine (dis)")->capture_default_str();
   app.add_option("--initialisation", flow.initialisation, "none, expected (flow of a static world)")
       ->capture_default_str();
   app.add_flag("--forward-backward,!--no-forward-backward", flow.forward_backward,
                "Exclude pixels whose flow there and back does not close (default: off)");
-  radar_dot::DepthParams& depth = options.depth_params;
-  app.add_option("--ground-pitch", depth.ground_pitch, "rad (radar_ground)")->capture_default_str();
-  app.add_flag("--image-edges", depth.image_edges,
-               "Move the borders of columns to edges of the image (radar_ground)");
-  app.add_option("--column-height", depth.column_height, "m (radar_ground)")->capture_default_str();
-  app.add_option("--column-half-width", depth.column_half_width, "m (radar_ground)")->capture_default_str();
-  app.add_option("--background-depth", depth.background_depth, "m (radar_ground); 0 = unknown")
+  radar_dot::tools::declareDepthParams(app, options.depth_params);
+}
+
+void declareLoop(CLI::App& app, Arguments& arguments) {
+  SegmentationEvaluationOptions& options = arguments.options;
+  app.add_flag("--mask-to-velocity,!--no-mask-to-velocity", options.mask_to_velocity,
+               "Returns in the latest mask are dynamic in the next velocity estimates (default: off)");
+  app.add_option("--max-mask-age", options.max_mask_age,
+                 "s, from the image of a mask to the scan (--mask-to-velocity)")
+      ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  app.add_option("--background-angle", depth.background_angle, "rad (radar_ground)")->capture_default_str();
-  app.add_option("--completion-kernel", depth.completion_kernel, "px (lidar)")->capture_default_str();
+  app.add_option("--radar-gain", options.motion.radar_gain,
+                 "Dynamic returns raise the score by this factor, less 1; 0 = off")
+      ->capture_default_str();
+  app.add_option("--radar-radius", options.motion.radar_radius, "m, around a dynamic return")
+      ->capture_default_str();
+  app.add_flag(
+      "--compare-loop", arguments.compare_loop,
+      "Run with neither of --mask-to-velocity and --radar-gain (1 where it is 0), with each and with "
+      "both, and compare them in a table, and in --json");
 }
 
 void declareOutputs(CLI::App& app, Arguments& arguments) {
@@ -123,95 +120,20 @@ void declareOutputs(CLI::App& app, Arguments& arguments) {
       ->excludes("--dataroot");
 }
 
-/// Scenes on some threads; results in the order of the tables.
-class Runner {
- public:
-  Runner(const dataset::Tables& tables, const std::vector<dataset::InstanceMask>& masks,
-         const Arguments& arguments)
-      : tables_(tables),
-        arguments_(arguments),
-        by_scene_(tables.scenes.size()),
-        results_(tables.scenes.size()),
-        progress_(tables.scenes.size(), {0, 0}),
-        bar_("segmenting", "pairs") {
-    for (const dataset::InstanceMask& mask : masks) {
-      const dataset::Index reading = tables.findReading(mask.sample_data_token);
-      const dataset::SampleData& data = tables.sample_data[static_cast<std::size_t>(reading)];
-      const dataset::Index scene = tables.samples[static_cast<std::size_t>(data.sample)].scene;
-      by_scene_[static_cast<std::size_t>(scene)].push_back(&mask);
-    }
-  }
-
-  std::vector<SegmentationReport> run() {
-    std::vector<std::thread> threads;
-    const std::size_t jobs = std::min(static_cast<std::size_t>(arguments_.jobs), results_.size());
-    for (std::size_t i = 0; i < jobs; ++i) threads.emplace_back([this] { work(); });
-    for (std::thread& thread : threads) thread.join();
-    if (error_) std::rethrow_exception(error_);
-    std::vector<SegmentationReport> reports;
-    for (std::optional<SegmentationReport>& result : results_)
-      if (result) reports.push_back(std::move(*result));
-    return reports;
-  }
-  /// One line for each scene that has no images.
-  const std::vector<std::string>& leftOut() const { return left_out_; }
-
- private:
-  void work() {
-    for (std::size_t scene = next_++; scene < results_.size() && !failed_; scene = next_++) {
-      try {
-        results_[scene] =
-            evaluateSegmentation(tables_, static_cast<dataset::Index>(scene), by_scene_[scene],
-                                 arguments_.options, [this, scene](std::size_t done, std::size_t all) {
-                                   signals_.check();  // between pairs, where no mask is half written
-                                   report(scene, done, all);
-                                 });
-      } catch (const radar_dot::evaluation::NoImages& error) {
-        // A dataroot may hold a part of the scenes; one that was asked for must be there.
-        if (!arguments_.scenes.empty() || results_.size() == 1) {
-          fail();
-        } else {
-          const std::lock_guard<std::mutex> lock(mutex_);
-          left_out_.emplace_back(error.what());
-        }
-      } catch (...) {
-        fail();
-      }
-    }
-  }
-  void fail() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    failed_ = true;
-    if (!error_) error_ = std::current_exception();
-  }
-  void report(std::size_t scene, std::size_t done, std::size_t all) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    progress_[scene] = {done, all};
-    // Scenes that have not begun are taken to be as long as this one.
-    std::size_t sum = 0;
-    std::size_t total = 0;
-    for (const auto& [so_far, pairs] : progress_) {
-      sum += so_far;
-      total += pairs == 0 ? all : pairs;
-    }
-    bar_.update(sum, total);
-  }
-
-  const dataset::Tables& tables_;
-  const Arguments& arguments_;
-  radar_dot::tools::SignalWatch signals_;
-  std::vector<std::vector<const dataset::InstanceMask*>> by_scene_;
-  std::vector<std::optional<SegmentationReport>> results_;
-  std::vector<std::pair<std::size_t, std::size_t>> progress_;  // done, all; by scene
-  std::vector<std::string> left_out_;
-  std::atomic<std::size_t> next_{0};
-  std::atomic<bool> failed_{false};
-  std::exception_ptr error_;
-  std::mutex mutex_;
-  radar_dot::tools::ProgressBar bar_;
+/// The reports by scene, and where it was asked for, the comparison.
+struct Results {
+  std::vector<SegmentationReport> scenes;
+  SegmentationReport overall;
+  std::vector<LoopResult> loop;
 };
 
-std::vector<SegmentationReport> evaluateAll(const Arguments& arguments) {
+SegmentationReport sumOf(const std::vector<SegmentationReport>& reports) {
+  SegmentationReport sum;
+  for (const SegmentationReport& report : reports) sum += report;
+  return sum;
+}
+
+Results evaluateAll(const Arguments& arguments) {
   dataset::LoadOptions load;
   load.version = arguments.version;
   load.scenes = arguments.scenes;
@@ -223,23 +145,44 @@ std::vector<SegmentationReport> evaluateAll(const Arguments& arguments) {
                     arguments.dataroot, arguments.version));
   }
   const std::vector<dataset::InstanceMask> masks = dataset::readInstanceMasks(tables);
-  if (!arguments.options.mask_directory.empty())
-    std::filesystem::create_directories(arguments.options.mask_directory);
-  Runner runner(tables, masks, arguments);
-  std::vector<SegmentationReport> reports = runner.run();
+  const SegmentationEvaluationOptions& options = arguments.options;
+  if (!options.mask_directory.empty()) std::filesystem::create_directories(options.mask_directory);
+  std::vector<SegmentationEvaluationOptions> variants = {options};
+  std::size_t own = 0;
+  if (arguments.compare_loop) {
+    variants = radar_dot::evaluation::loopVariants(options);
+    own = radar_dot::evaluation::ownVariant(options);
+  }
+  radar_dot::tools::SegmentationRunner runner(tables, masks, variants, arguments.jobs,
+                                              !arguments.scenes.empty() || tables.scenes.size() == 1);
+  const std::vector<std::vector<SegmentationReport>> reports = runner.run();
   for (const std::string& line : runner.leftOut())
     fmt::print(stderr, "evaluate_segmentation: warning: left out {}\n", line);
-  if (reports.empty()) throw std::runtime_error(arguments.dataroot + ": no scene has images on disk");
-  return reports;
+  if (reports[own].empty()) throw std::runtime_error(arguments.dataroot + ": no scene has images on disk");
+  Results results{reports[own], sumOf(reports[own]), {}};
+  if (!arguments.compare_loop) return results;
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    results.loop.push_back(
+        {variants[i].mask_to_velocity, variants[i].motion.radar_gain != 0.0, sumOf(reports[i])});
+  }
+  return results;
+}
+
+Results merge(const std::vector<std::string>& files) {
+  const std::vector<SegmentationReport> scenes = radar_dot::evaluation::mergeJson(files);
+  return {scenes, sumOf(scenes), radar_dot::evaluation::mergeLoop(files)};
 }
 
 int run(const Arguments& arguments) {
   arguments.files.check();
-  const std::vector<SegmentationReport> reports =
-      arguments.merge.empty() ? evaluateAll(arguments) : radar_dot::evaluation::mergeJson(arguments.merge);
-  SegmentationReport overall;
-  for (const SegmentationReport& report : reports) overall += report;
-  arguments.files.write(reports, overall);
+  const Results results = arguments.merge.empty() ? evaluateAll(arguments) : merge(arguments.merge);
+  if (results.loop.empty()) {
+    arguments.files.write(results.scenes, results.overall);
+  } else {
+    arguments.files.write(
+        formatJson(results.scenes, results.overall, results.loop), formatCsv(results.scenes, results.overall),
+        formatTable(results.scenes, results.overall) + "\n" + formatLoopTable(results.loop));
+  }
   return 0;
 }
 
@@ -253,6 +196,7 @@ int main(int argc, char** argv) {
   arguments.options.extraction.doppler_scale = radar_dot::evaluation::kNuscenesDopplerScale;
   declareInputs(app, arguments);
   declareMethod(app, arguments.options);
+  declareLoop(app, arguments);
   declareOutputs(app, arguments);
   try {
     app.parse(argc, argv);

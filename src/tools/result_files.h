@@ -30,9 +30,12 @@ struct ResultFiles {
   /// @throws std::runtime_error naming the file, or standard output, that cannot be written.
   template <typename Report>
   void write(const std::vector<Report>& scenes, const Report& overall) const {
-    if (!json.empty()) evaluation::writeFile(json, formatJson(scenes, overall));
-    if (!csv.empty()) evaluation::writeFile(csv, formatCsv(scenes, overall));
-    const std::string table = formatTable(scenes, overall);
+    write(formatJson(scenes, overall), formatCsv(scenes, overall), formatTable(scenes, overall));
+  }
+  /// The same of texts.
+  void write(const std::string& json_text, const std::string& csv_text, const std::string& table) const {
+    if (!json.empty()) evaluation::writeFile(json, json_text);
+    if (!csv.empty()) evaluation::writeFile(csv, csv_text);
     if (std::fwrite(table.data(), 1, table.size(), stdout) != table.size() || std::fflush(stdout) != 0)
       throw std::runtime_error("the table cannot be written to standard output");
   }

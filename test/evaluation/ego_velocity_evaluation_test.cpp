@@ -8,8 +8,13 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
+#include <opencv2/imgcodecs.hpp>
 #include <sstream>
+#include <stdexcept>
+#include <string>
 
+#include "fixtures/files.h"
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/refusal.h"
 #include "radar_dot/evaluation/report.h"
@@ -77,6 +82,68 @@ TEST_F(Evaluation, DynamicLabelsFindTheBox) {
   EXPECT_GT(report.dynamic.true_negatives, 1000U);
   EXPECT_LE(report.dynamic_70m.true_positives + report.dynamic_70m.true_negatives,
             report.dynamic.true_positives + report.dynamic.true_negatives);
+}
+
+/// Masks of one grey value for every keyframe image.
+void writeMasks(const std::filesystem::path& folder, const dataset::Tables& tables, double value) {
+  for (const dataset::Index row :
+       tables.readingsOf(tables.findScene(NuscenesFixture::kStraightScene), "CAM_FRONT")) {
+    const dataset::SampleData& image = tables.sample_data[static_cast<std::size_t>(row)];
+    cv::imwrite((folder / (tables.path(image).stem().string() + ".png")).string(),
+                cv::Mat(90, 160, CV_8UC1, cv::Scalar(value)));
+  }
+}
+
+// A mask of everything makes all that the camera sees dynamic, one of nothing changes nothing.
+TEST_F(Evaluation, ReturnsInSavedMasksAreDynamic) {
+  const VelocityReport without = evaluate(NuscenesFixture::kStraightScene);
+  const test::TemporaryFolder folder;
+  VelocityEvaluationOptions options;
+  options.mask_directory = folder.path().string();
+  writeMasks(folder.path(), *tables_, 0.0);
+  const VelocityReport nothing = evaluate(NuscenesFixture::kStraightScene, options);
+  EXPECT_EQ(nothing.dynamic.false_positives, without.dynamic.false_positives);
+  EXPECT_EQ(nothing.mae.at("B1").sum, without.mae.at("B1").sum);
+  writeMasks(folder.path(), *tables_, 255.0);
+  const VelocityReport everything = evaluate(NuscenesFixture::kStraightScene, options);
+  EXPECT_GT(everything.dynamic.false_positives, without.dynamic.false_positives + 100U);
+  EXPECT_EQ(everything.dynamic.false_negatives, 0U);
+  EXPECT_NE(everything.mae.at("B1").sum, without.mae.at("B1").sum);
+  EXPECT_LT(everything.mae.at("A2").value(), 1e-3);  // the other radars are enough
+}
+
+// Keyframe images are taken shortly after the scans that go with them, so that these have the mask of half a
+// second before.
+TEST_F(Evaluation, SavedMasksSpeakOnlyOnceKnownAndWithinTheirAge) {
+  const VelocityReport without = evaluate(NuscenesFixture::kStraightScene);
+  const test::TemporaryFolder folder;
+  writeMasks(folder.path(), *tables_, 255.0);
+  VelocityEvaluationOptions options;
+  options.mask_directory = folder.path().string();
+  options.mask_delay = 100.0;
+  EXPECT_EQ(evaluate(NuscenesFixture::kStraightScene, options).mae.at("B1").sum, without.mae.at("B1").sum);
+  options.mask_delay =
+      0.5;  // at the middle of a pair of keyframes the mask is three quarters of a second old
+  options.max_mask_age = 0.6;
+  EXPECT_EQ(evaluate(NuscenesFixture::kStraightScene, options).mae.at("B1").sum, without.mae.at("B1").sum);
+  options.max_mask_age = 1.1;
+  EXPECT_NE(evaluate(NuscenesFixture::kStraightScene, options).mae.at("B1").sum, without.mae.at("B1").sum);
+  options.max_mask_age = -1.0;
+  test::expectRefusal<std::invalid_argument>([&] { evaluate(NuscenesFixture::kStraightScene, options); },
+                                             {"max_mask_age", "-1"});
+}
+
+TEST_F(Evaluation, MasksOfNothingAreNamed) {
+  const test::TemporaryFolder folder;
+  VelocityEvaluationOptions options;
+  options.mask_directory = folder.path().string();
+  const auto expect = [&options](std::initializer_list<std::string> parts) {
+    test::expectRefusal<dataset::DatasetError>(
+        [&options] { evaluate(NuscenesFixture::kStraightScene, options); }, parts);
+  };
+  expect({folder.path().string(), "CAM_FRONT", NuscenesFixture::kStraightScene});
+  options.mask_channel = "CAM_ROOF";
+  expect({"CAM_ROOF", NuscenesFixture::kStraightScene});
 }
 
 // One forward radar cannot tell sideslip from yaw: no yaw-rate figure, but vx.

@@ -67,6 +67,9 @@ TEST_F(EvaluateEgoVelocity, BadOptionsGetOneLine) {
   expectRefusal(dataroot() + " --mount-yaw-correction RADAR_FRONT=nan", "RADAR_FRONT");
   expectRefusal(dataroot() + " --mount-yaw-correction RADAR_TYPO=0.1", "RADAR_TYPO");
   expectRefusal(dataroot() + " --json same --csv same", "same");
+  expectRefusal(dataroot() + " --masks /nowhere", "/nowhere");
+  expectRefusal(dataroot() + " --masks /nowhere --mask-channel CAM_ROOF", "CAM_ROOF");
+  expectRefusal(dataroot() + " --max-mask-age -1", "--max-mask-age");
 }
 
 TEST_F(EvaluateEgoVelocity, LinksAndPipesSurvive) {

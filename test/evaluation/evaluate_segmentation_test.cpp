@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <iterator>
 #include <string>
 
+#include "fixtures/files.h"
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/tool_run.h"
 
@@ -24,6 +26,29 @@ TEST(EvaluateSegmentation, BadInputGetsOneLineAndANonZeroExit) {
   expectRefusal(dataroot + " --jobs 0", "--jobs");
   expectRefusal("--merge /nowhere.json", "/nowhere.json");
   expectRefusal(dataroot + " --json same --csv same", "same file");
+  expectRefusal(dataroot + " --max-mask-age -1", "--max-mask-age");
+  expectRefusal(dataroot + " --mask-to-velocity --velocity ground_truth", "mask_to_velocity");
+  expectRefusal(dataroot + " --compare-loop --velocity ground_truth", "mask_to_velocity");
+}
+
+TEST(EvaluateSegmentation, ComparesTheLoopAndMergesComparisons) {
+  const test::NuscenesFixture fixture;
+  const test::TemporaryFolder folder;
+  const std::string json = (folder.path() / "loop.json").string();
+  const test::Outcome outcome =
+      test::runCommand(std::string(TOOL) + " --dataroot " + fixture.dataroot().string() +
+                       " --scenes scene-0001 --max-pairs 2 --working-width 160 --compare-loop --json " +
+                       json + " --save-masks " + (folder.path() / "masks").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  for (const char* line : {"neither ", "mask_to_velocity ", "radar_to_mask ", "both "})
+    EXPECT_NE(outcome.text.find(line), std::string::npos) << outcome.text;
+  EXPECT_NE(test::readFile(json).find("\"loop\": ["), std::string::npos);
+  const auto masks = std::filesystem::directory_iterator(folder.path() / "masks");
+  EXPECT_EQ(std::distance(begin(masks), end(masks)), 2);
+  const test::Outcome merged = test::runCommand(std::string(TOOL) + " --merge " + json);
+  EXPECT_EQ(merged.exit_code, 0) << merged.text;
+  // The progress of the run is in its text, too.
+  EXPECT_NE(outcome.text.find(merged.text), std::string::npos) << outcome.text << merged.text;
 }
 
 // The paper's score and the defaults, on real images, with whatever flow is at hand.

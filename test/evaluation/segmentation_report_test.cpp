@@ -23,6 +23,7 @@ SegmentationReport report(const std::string& scene, std::size_t tp, std::size_t 
   result.frames = 3;
   result.pixels = {tp, fp, fn, tn};
   result.seconds = 0.25;
+  result.velocity_error = {0.75, 3};
   return result;
 }
 
@@ -46,6 +47,8 @@ TEST(SegmentationReport, FiguresByHand) {
   EXPECT_DOUBLE_EQ(result.pixels.f1(), 2.0 * 0.75 * 0.6 / 1.35);
   EXPECT_DOUBLE_EQ(result.falsePositiveShare(), 10.0 / 950.0);
   EXPECT_TRUE(std::isnan(report("a", 0, 0, 0, 9).iou()));
+  EXPECT_DOUBLE_EQ(result.velocity_error.value(), 0.25);
+  EXPECT_TRUE(std::isnan(SegmentationReport().velocity_error.value()));
 }
 
 // A large scene and a small one: the mean of 0.9 and 0.1 would be 0.5.
@@ -53,6 +56,8 @@ TEST(SegmentationReport, PixelsAreSummedNotAveraged) {
   SegmentationReport overall = report("large", 900, 50, 50, 0);
   overall += report("small", 1, 4, 5, 0);
   EXPECT_EQ(overall.frames, 6U);
+  EXPECT_EQ(overall.velocity_error.count, 6U);
+  EXPECT_DOUBLE_EQ(overall.velocity_error.sum, 1.5);
   EXPECT_DOUBLE_EQ(overall.iou(), 901.0 / 1010.0);
 }
 
@@ -69,6 +74,26 @@ TEST_F(SegmentationFiles, MergedFilesGiveTheSameTable) {
   overall += b;
   EXPECT_EQ(formatTable(merged, overall), formatTable({b, a}, overall));
   EXPECT_EQ(formatCsv(merged, overall), formatCsv({b, a}, overall));
+}
+
+TEST_F(SegmentationFiles, VelocityErrorsStandInTableAndFiles) {
+  SegmentationReport true_velocity = report("scene-0001", 1, 1, 1, 1);
+  true_velocity.velocity_error = {};
+  const SegmentationReport by_radar = report("scene-0002", 1, 1, 1, 1);
+  SegmentationReport overall = true_velocity;
+  overall += by_radar;
+  const std::vector<SegmentationReport> scenes = {true_velocity, by_radar};
+  const std::string json = formatJson(scenes, overall);
+  EXPECT_NE(json.find("\"velocity_error\": null"), std::string::npos) << json;
+  EXPECT_NE(json.find("\"velocity_error\": 0.25"), std::string::npos) << json;
+  const std::string csv = formatCsv(scenes, overall);
+  EXPECT_NE(csv.find(",velocity_error,"), std::string::npos) << csv;
+  EXPECT_NE(csv.find("scene-0002,0.333333,0.500000,0.500000,0.500000,0.500000,0.250000,3,"),
+            std::string::npos)
+      << csv;
+  const std::string table = formatTable(scenes, overall);
+  EXPECT_NE(table.find("v err m/s"), std::string::npos) << table;
+  EXPECT_NE(table.find("     0.2500"), std::string::npos) << table;
 }
 
 TEST_F(SegmentationFiles, EveryCountComesBack) {
@@ -90,14 +115,17 @@ TEST_F(SegmentationFiles, EveryCountComesBack) {
     EXPECT_EQ(got.pixels.false_negatives, wanted.pixels.false_negatives);
     EXPECT_EQ(got.pixels.true_negatives, wanted.pixels.true_negatives);
     EXPECT_DOUBLE_EQ(got.seconds, wanted.seconds);
+    EXPECT_EQ(got.velocity_error.count, wanted.velocity_error.count);
+    EXPECT_DOUBLE_EQ(got.velocity_error.sum, wanted.velocity_error.sum);
   }
 }
 
 TEST_F(SegmentationFiles, EveryFieldIsCheckedByName) {
   const SegmentationReport a = report("scene-0001", 1, 1, 1, 1);
   const std::string text = formatJson({a}, a);
-  for (const std::string field : {"scene", "frames", "without_motion", "true_positives", "false_positives",
-                                  "false_negatives", "true_negatives", "seconds"}) {
+  for (const std::string field :
+       {"scene", "frames", "without_motion", "true_positives", "false_positives", "false_negatives",
+        "true_negatives", "seconds", "velocity_error_sum", "velocity_error_count"}) {
     std::string broken = text;
     broken.replace(broken.find("\"" + field + "\":") + 1, field.size(), "other");
     const std::string file = write(field + ".json", broken);
@@ -127,6 +155,9 @@ TEST_F(SegmentationFiles, WrongFilesAreNamed) {
   SegmentationReport impossible = a;
   impossible.without_motion = impossible.frames + 1;
   expect({write("more.json", formatJson({impossible}, a))}, "field 'without_motion'");
+  impossible = a;
+  impossible.velocity_error.count = impossible.frames + 1;
+  expect({write("pairs.json", formatJson({impossible}, a))}, "field 'velocity_error_count'");
   impossible = a;
   impossible.seconds = -1.0;
   expect({write("negative.json", formatJson({impossible}, a))}, "field 'seconds'");

@@ -13,29 +13,13 @@
 
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/annotation_labels.h"
+#include "radar_dot/evaluation/mask_age.h"
+#include "radar_dot/evaluation/mean.h"
 #include "radar_dot/evaluation/trajectory.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
 
 namespace radar_dot::evaluation {
-
-/// A mean that can be merged with others.
-struct Mean {
-  double sum = 0.0;
-  std::size_t count = 0;
-  void add(double value) {
-    sum += value;
-    ++count;
-  }
-  double value() const {
-    return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
-  }
-  Mean& operator+=(const Mean& other) {
-    sum += other.sum;
-    count += other.count;
-    return *this;
-  }
-};
 
 /// The Doppler velocities of the nuScenes radars read about 0.35 % low against the displacement of the
 /// poses, in all scenes of both vehicles: a planar radar takes returns from above or below its plane
@@ -52,6 +36,15 @@ struct VelocityEvaluationOptions {
   /// rad, by channel: added to the yaw of the calibrated mount.
   std::map<std::string, double> mount_yaw_corrections;
   LabelParams labels;
+  /// Folder with <stem of the image>.png of saved masks: the returns of a scan in the newest mask at or
+  /// before it are known to move. They are brought to the time of the mask with the velocity estimated last.
+  /// Empty = no masks.
+  std::string mask_directory;
+  std::string mask_channel = "CAM_FRONT";
+  double max_mask_age = kMaxMaskAge;  ///< s, from the image of a mask to the scan
+  /// s, from an image to the time its mask is known. A mask needs the second image of its pair: 0.5 for the
+  /// masks of pairs of keyframes is what a vehicle would have; 0 lets a mask speak from its image on.
+  double mask_delay = 0.0;
 };
 
 /// The paper's four estimators, planar model: B1 least squares on all returns, A1 on the static
@@ -115,7 +108,9 @@ class NoRadarFiles : public dataset::DatasetError {
 /// Evaluates one scene.
 /// @throws NoRadarFiles where a scene, or a requested channel of it, has no file; dataset::DatasetError
 ///         for unreadable files, a correction
-///         for a radar the scene does not have, keyframes out of order, or poses that do not cover them.
+///         for a radar the scene does not have, keyframes out of order, or poses that do not cover them, and
+///         for a folder of masks without one of the scene; std::invalid_argument for a limit on the masks'
+///         age that makes no sense.
 VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, dataset::Index scene,
                                    const VelocityEvaluationOptions& options = {});
 

@@ -11,6 +11,8 @@
 #include "radar_dot/dataset/instance_masks.h"
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/annotation_labels.h"
+#include "radar_dot/evaluation/mask_age.h"
+#include "radar_dot/evaluation/mean.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/vision/depth_estimator.h"
@@ -47,7 +49,12 @@ struct SegmentationEvaluationOptions {
   /// Movers whose residual of the true flow is smaller do not count (neither right nor wrong), px of the full
   /// image; 0 = all count. Needs ground-truth flow and depth.
   double min_true_residual = 0.0;
-  std::string mask_directory;  ///< <stem of the first image>.png of every mask; empty = not saved
+  /// The paper's loop from image to radar: returns that lie in the latest mask of the scene are known to move
+  /// in the velocity estimates of the pairs after it. They are brought from their scan to the time of the
+  /// mask's image with the velocity estimated last. Not with velocity "ground_truth".
+  bool mask_to_velocity = false;
+  double max_mask_age = kMaxMaskAge;  ///< s, from the image of a mask to the scan
+  std::string mask_directory;         ///< <stem of the first image>.png of every mask; empty = not saved
 };
 
 /// Results of one scene, or of several merged by operator+=. Counts are pixels of all pairs.
@@ -57,6 +64,10 @@ struct SegmentationReport {
   std::size_t without_motion = 0;  ///< of them, refused by the velocity estimator: their mask is empty
   Confusion pixels;
   double seconds = 0.0;  ///< of the fused mask computation, summed over the pairs
+  /// m/s, over the pairs with an estimate: |v - v_true| in the plane, v_true as PoseTrack::meanVelocity of
+  /// the pair. v is the mean estimate over the pair, or with velocity "radar_start" the one at its begin.
+  /// Empty with velocity "ground_truth".
+  Mean velocity_error;
 
   double iou() const;                 ///< TP / (TP + FP + FN); NaN when there is neither mask nor truth
   double falsePositiveShare() const;  ///< FP / (FP + TN): of the pixels that do not move
@@ -80,9 +91,10 @@ SegmentationReport evaluateSegmentation(const dataset::Tables& tables, dataset::
 
 /// Plain-text table in the form of the paper's Table I; the last row is the overall result.
 std::string formatTable(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
-/// {"scenes": [{"scene", "iou", "precision", "recall", "f1", "false_positive_share", "frames",
-/// "without_motion", "true_positives", "false_positives", "false_negatives", "true_negatives", "seconds"}],
-/// "overall": {same keys}}. Figures that do not exist are null.
+/// {"scenes": [{"scene", "iou", "precision", "recall", "f1", "false_positive_share", "velocity_error" (m/s),
+/// "frames", "without_motion", "true_positives", "false_positives", "false_negatives", "true_negatives",
+/// "velocity_error_count", "seconds", "velocity_error_sum"}], "overall": {same keys}}. Figures that do not
+/// exist are null.
 std::string formatJson(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
 /// The same as columns.
 std::string formatCsv(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);

@@ -1,0 +1,147 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/evaluation/depth_evaluation.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "radar_dot/evaluation/segmentation_evaluation.h"
+#include "report_format.h"
+#include "scene_depths.h"
+
+namespace radar_dot::evaluation {
+namespace {
+
+using dataset::Index;
+using dataset::Tables;
+
+std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
+  const std::vector<Index> readings = tables.readingsOf(scene, options.channel);
+  const std::string& name = tables.scenes[at(scene)].name;
+  if (readings.empty()) throw NoImages(fmt::format("{}: no readings of {}", name, options.channel));
+  std::vector<Index> images;
+  for (const Index row : readings) {
+    const dataset::SampleData& reading = tables.sample_data[at(row)];
+    if (reading.is_key_frame && std::filesystem::exists(tables.path(reading))) images.push_back(row);
+  }
+  if (images.empty()) {
+    throw NoImages(fmt::format("{}: no keyframe image of {} is under {}", name, options.channel,
+                               tables.dataroot().string()));
+  }
+  if (options.max_images > 0 && images.size() > options.max_images) images.resize(options.max_images);
+  return images;
+}
+
+/// Name and value of every figure, in the order of the files.
+std::vector<std::pair<std::string, double>> figuresOf(const DepthErrors& errors) {
+  std::vector<std::pair<std::string, double>> figures;
+  for (std::size_t i = 0; i < errors.within.size(); ++i) {
+    const DepthErrors::Sums& sums = errors.within[i];
+    const double limit = DepthErrors::kLimits[i];
+    figures.emplace_back(fmt::format("mae_{:.0f}", limit), sums.meanAbsoluteError());
+    figures.emplace_back(fmt::format("rmse_{:.0f}", limit), sums.rootMeanSquaredError());
+    figures.emplace_back(fmt::format("coverage_{:.0f}", limit), sums.coverage());
+  }
+  return figures;
+}
+
+std::vector<std::pair<std::string, std::uint64_t>> countsOf(const DepthReport& report) {
+  std::vector<std::pair<std::string, std::uint64_t>> counts = {{"images", report.images},
+                                                               {"without_truth", report.without_truth}};
+  for (std::size_t i = 0; i < report.errors.within.size(); ++i) {
+    const double limit = DepthErrors::kLimits[i];
+    counts.emplace_back(fmt::format("true_pixels_{:.0f}", limit), report.errors.within[i].true_pixels);
+    counts.emplace_back(fmt::format("compared_{:.0f}", limit), report.errors.within[i].compared);
+  }
+  return counts;
+}
+
+}  // namespace
+
+DepthReport& DepthReport::operator+=(const DepthReport& other) {
+  images += other.images;
+  without_truth += other.without_truth;
+  errors += other.errors;
+  return *this;
+}
+
+DepthReport evaluateDepth(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
+  if (options.truth != "ground_truth" && options.truth != "lidar") {
+    throw std::invalid_argument(fmt::format("truth '{}' is not one of ground_truth, lidar", options.truth));
+  }
+  const bool by_lidar = options.truth == "lidar";
+  const DepthSource source{options.depth, options.depth_directory, options.working_width,
+                           options.depth_params, by_lidar};
+  validate(source);
+  const std::vector<Index> images = imagesOf(tables, scene, options);
+  const RadarScene radar = loadRadarScene(tables, scene, options.radar_channels, options.extraction);
+  SceneDepths depths(tables, radar, source);
+  DepthReport report;
+  report.scene = tables.scenes[at(scene)].name;
+  for (const Index row : images) {
+    if (by_lidar && !depths.hasLidar(row)) {
+      ++report.without_truth;
+      continue;
+    }
+    depths.keepOnly(row);
+    report.errors.add(depths.depthOf(row), by_lidar ? depths.heldOutDepth(row) : depths.trueDepth(row));
+    ++report.images;
+  }
+  return report;
+}
+
+std::string formatTable(const std::vector<DepthReport>& scenes, const DepthReport& overall) {
+  std::string table = fmt::format("{:<14}{:>7}{:>10}", "Scene", "Images", "no truth");
+  for (const double limit : DepthErrors::kLimits) {
+    table += fmt::format("{:>10}{:>10}{:>10}", fmt::format("MAE {:.0f}", limit),
+                         fmt::format("RMSE {:.0f}", limit), fmt::format("cover {:.0f}", limit));
+  }
+  table += "\n";
+  const auto row = [&table](const DepthReport& report, const std::string& name) {
+    table += fmt::format("{:<14}{:>7}{:>10}", name, report.images, report.without_truth);
+    for (const auto& [key, value] : figuresOf(report.errors)) table += fmt::format("{:>10}", figure(value));
+    table += "\n";
+  };
+  for (const DepthReport& scene : scenes) row(scene, scene.scene);
+  row(overall, "Overall");
+  return table;
+}
+
+std::string formatJson(const std::vector<DepthReport>& scenes, const DepthReport& overall) {
+  rapidjson::StringBuffer buffer;
+  JsonWriter writer(buffer);
+  writeScenes(writer, scenes, overall, [&writer](const DepthReport& report, bool is_overall) {
+    writer.StartObject();
+    if (!is_overall) {
+      writer.Key("scene");
+      writer.String(report.scene.c_str());
+    }
+    for (const auto& [key, value] : figuresOf(report.errors)) number(writer, key.c_str(), value);
+    for (const auto& [key, value] : countsOf(report)) count(writer, key.c_str(), value);
+    writer.EndObject();
+  });
+  return std::string(buffer.GetString(), buffer.GetSize()) + "\n";
+}
+
+std::string formatCsv(const std::vector<DepthReport>& scenes, const DepthReport& overall) {
+  std::string text = "scene";
+  for (const auto& [key, value] : figuresOf(overall.errors)) text += "," + key;
+  for (const auto& [key, value] : countsOf(overall)) text += "," + key;
+  text += "\n";
+  const auto line = [&text](const DepthReport& report, const std::string& name) {
+    text += name;
+    for (const auto& [key, value] : figuresOf(report.errors))
+      text += std::isfinite(value) ? fmt::format(",{:.6f}", value) : ",";
+    for (const auto& [key, value] : countsOf(report)) text += fmt::format(",{}", value);
+    text += "\n";
+  };
+  for (const DepthReport& scene : scenes) line(scene, scene.scene);
+  line(overall, "overall");
+  return text;
+}
+
+}  // namespace radar_dot::evaluation

@@ -1,0 +1,198 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene_depths.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "radar_dot/dataset/point_files.h"
+#include "radar_dot/evaluation/noisy_depth.h"
+#include "segmentation_images.h"
+
+namespace radar_dot::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+using dataset::DatasetError;
+using dataset::Index;
+
+bool isEstimated(const std::string& backend) {
+  return backend != "ground_truth" && backend != "noisy" && backend != "files";
+}
+
+/// Every second point of each beam, shifted by one from beam to beam: both halves see every beam and every
+/// direction.
+class Halves {
+ public:
+  /// Of the points in the order of the file. @param ring  number of the beam
+  bool isHeldOut(float ring) {
+    const bool known = ring >= 0.0F && ring < static_cast<float>(counts_.size());
+    const std::size_t beam = known ? static_cast<std::size_t>(ring) : 0;
+    return (beam + counts_[beam]++) % 2 == 1;
+  }
+
+ private:
+  std::array<std::size_t, 256> counts_{};
+};
+
+}  // namespace
+
+std::string pngNameOf(const dataset::Tables& tables, Index row) {
+  return tables.path(tables.sample_data[at(row)]).stem().string() + ".png";
+}
+
+CameraIntrinsics cameraOf(const dataset::Tables& tables, Index row) {
+  const dataset::SampleData& reading = tables.sample_data[at(row)];
+  const dataset::CalibratedSensor& sensor = tables.calibrated_sensors[at(reading.calibrated_sensor)];
+  if (!sensor.camera_matrix) {
+    throw DatasetError(fmt::format("calibrated_sensor.json: that of {} has no camera_intrinsic",
+                                   tables.path(reading).string()));
+  }
+  try {
+    return CameraIntrinsics::fromMatrix(*sensor.camera_matrix, reading.width, reading.height);
+  } catch (const std::invalid_argument& error) {
+    throw DatasetError(fmt::format("{}: {}", tables.path(reading).string(), error.what()));
+  }
+}
+
+void validate(const DepthSource& source) {
+  if (source.backend == "files" && source.directory.empty())
+    throw std::invalid_argument("depth 'files' needs a folder with the depths");
+}
+
+SceneDepths::SceneDepths(const dataset::Tables& tables, const RadarScene& radar, const DepthSource& source)
+    : tables_(tables), radar_(radar), source_(source) {
+  validate(source_);
+  if (isEstimated(source_.backend)) {
+    DepthParams params = source_.params;
+    params.backend = source_.backend;
+    depth_ = makeDepthEstimator(params);
+  }
+}
+
+void SceneDepths::keepOnly(Index row) {
+  for (std::map<Index, cv::Mat>* kept : {&pictures_, &depths_, &true_depths_}) {
+    for (auto entry = kept->begin(); entry != kept->end();)
+      entry = entry->first == row ? std::next(entry) : kept->erase(entry);
+  }
+}
+
+fs::path SceneDepths::truthFile(const std::string& folder, Index row) const {
+  return tables_.dataroot() / "ground_truth" / folder / pngName(row);
+}
+
+CameraIntrinsics SceneDepths::gridOf(Index row) const {
+  const cv::Size grid = sizeOf(row);
+  return cameraOf(tables_, row).scaledTo(grid.width, grid.height);
+}
+
+cv::Size SceneDepths::sizeOf(Index row) const {
+  return workingGrid({reading(row).width, reading(row).height}, source_.working_width);
+}
+
+const cv::Mat& SceneDepths::pictureOf(Index row) {
+  cv::Mat& image = pictures_[row];
+  if (image.empty()) {
+    const fs::path path = tables_.path(reading(row));
+    image = cv::imread(path.string(), cv::IMREAD_COLOR);
+    if (image.empty()) throw DatasetError(fmt::format("{}: cannot be read as an image", path.string()));
+  }
+  return image;
+}
+
+std::vector<Eigen::Vector3f> SceneDepths::radarPoints(double time) const {
+  std::vector<Eigen::Vector3f> points;
+  for (const LoadedRadar& radar : radar_.radars) {
+    const std::optional<std::size_t> nearest = nearestScan(radar, time, kSensorReach);
+    if (!nearest) continue;
+    for (const DopplerReturn& seen : radar.scans[*nearest].returns)
+      points.push_back(positionOf(seen, radar.T_base_from_sensor));
+  }
+  return points;
+}
+
+const dataset::SampleData* SceneDepths::lidarOf(Index row) const {
+  const double time = secondsOf(reading(row));
+  const Index scene = tables_.samples[at(reading(row).sample)].scene;
+  const dataset::SampleData* nearest = nullptr;
+  double distance = kSensorReach;
+  for (const Index candidate : tables_.readingsOf(scene, "LIDAR_TOP")) {
+    const dataset::SampleData& sweep = reading(candidate);
+    const double apart = std::abs(secondsOf(sweep) - time);
+    if (apart > distance || !fs::exists(tables_.path(sweep))) continue;
+    nearest = &sweep;
+    distance = apart;
+  }
+  return nearest;
+}
+
+std::vector<Eigen::Vector3f> SceneDepths::lidarPoints(Index row, LidarPart part) const {
+  const dataset::SampleData* sweep = lidarOf(row);
+  if (sweep == nullptr) {
+    throw DatasetError(fmt::format("{}: no LIDAR_TOP sweep on disk within {} s of the image",
+                                   tables_.path(reading(row)).string(), kSensorReach));
+  }
+  // The sweep as seen from the vehicle at the time of the image.
+  const Eigen::Isometry3f T_base_from_lidar = (radar_.truth.at(secondsOf(reading(row))).inverse() *
+                                               radar_.truth.at(secondsOf(*sweep)) * mountOf(*sweep))
+                                                  .cast<float>();
+  const PointCloud cloud = dataset::readLidarBin(tables_.path(*sweep));
+  const PointField* ring_field = findField(cloud.fields, "ring");
+  Halves halves;
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(cloud.size);
+  for (std::size_t i = 0; i < cloud.size; ++i) {
+    const std::uint8_t* record = cloud.data.data() + i * cloud.point_step;
+    Eigen::Vector3f point;
+    std::memcpy(point.data(), record, sizeof(float) * 3);
+    float ring = 0.0F;
+    if (ring_field != nullptr) std::memcpy(&ring, record + ring_field->offset, sizeof(float));
+    if (part != LidarPart::kAll && halves.isHeldOut(ring) != (part == LidarPart::kHeldOut)) continue;
+    points.emplace_back(T_base_from_lidar * point);
+  }
+  return points;
+}
+
+cv::Mat SceneDepths::computeDepth(Index row) {
+  if (source_.backend == "files")
+    return resizeNearest(readDepth(fs::path(source_.directory) / pngName(row)), sizeOf(row));
+  if (source_.backend == "ground_truth") return trueDepth(row);
+  if (source_.backend == "noisy")
+    return noisyDepth(trueDepth(row), {}, static_cast<std::uint64_t>(reading(row).timestamp_us));
+  DepthInput input;
+  input.image = pictureOf(row);
+  input.camera = gridOf(row);
+  input.T_base_from_camera = mountOf(reading(row));
+  if (source_.backend == "lidar") {
+    input.lidar_points = lidarPoints(row, source_.half_of_lidar ? LidarPart::kSeen : LidarPart::kAll);
+  } else {
+    input.radar_points = radarPoints(secondsOf(reading(row)));
+  }
+  return depth_->estimate(input);
+}
+
+const cv::Mat& SceneDepths::depthOf(Index row) {
+  cv::Mat& depth = depths_[row];
+  if (depth.empty()) depth = computeDepth(row);
+  return depth;
+}
+
+const cv::Mat& SceneDepths::trueDepth(Index row) {
+  cv::Mat& depth = true_depths_[row];
+  if (depth.empty()) depth = resizeNearest(readDepth(truthFile("depth", row)), sizeOf(row));
+  return depth;
+}
+
+cv::Mat SceneDepths::heldOutDepth(Index row) const {
+  return projectedDepth(lidarPoints(row, LidarPart::kHeldOut), gridOf(row), mountOf(reading(row)),
+                        source_.params.max_depth);
+}
+
+}  // namespace radar_dot::evaluation

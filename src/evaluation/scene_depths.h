@@ -1,0 +1,89 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "radar_dot/dataset/tables.h"
+#include "radar_dot/vision/camera_intrinsics.h"
+#include "radar_dot/vision/depth_estimator.h"
+#include "radar_scene.h"
+
+namespace radar_dot::evaluation {
+
+inline constexpr double kSensorReach = 0.1;  // s between an image and the scans that go with it
+
+/// "<stem of the image>.png"
+std::string pngNameOf(const dataset::Tables& tables, dataset::Index row);
+/// Camera of a reading, of its full image. @throws dataset::DatasetError naming what is missing or wrong.
+CameraIntrinsics cameraOf(const dataset::Tables& tables, dataset::Index row);
+
+/// Where depth comes from.
+struct DepthSource {
+  /// A backend of makeDepthEstimator, "ground_truth", "noisy", or "files".
+  std::string backend = "radar_ground";
+  std::string directory;  ///< for "files"
+  int working_width = 0;  ///< px; 0 = the images'
+  DepthParams params;
+  /// "lidar" sees every second point of each beam, and heldOutDepth the others.
+  bool half_of_lidar = false;
+};
+/// Refuses "files" without a folder. @throws std::invalid_argument.
+void validate(const DepthSource& source);
+
+/// Camera, picture and depth of the images of a scene, on the working grid. Everything is read or computed
+/// once, and kept until it is told to be forgotten.
+class SceneDepths {
+ public:
+  /// Tables and radar must outlive it. @throws std::invalid_argument for a source that makes no sense.
+  SceneDepths(const dataset::Tables& tables, const RadarScene& radar, const DepthSource& source);
+
+  /// Forgets the other images.
+  void keepOnly(dataset::Index row);
+
+  const dataset::SampleData& reading(dataset::Index row) const { return tables_.sample_data[at(row)]; }
+  const Eigen::Isometry3d& mountOf(const dataset::SampleData& reading) const {
+    return tables_.calibrated_sensors[at(reading.calibrated_sensor)].T_base_from_sensor;
+  }
+  std::string pngName(dataset::Index row) const { return pngNameOf(tables_, row); }
+
+  /// The camera on the working grid. @throws dataset::DatasetError naming what is missing or wrong.
+  CameraIntrinsics gridOf(dataset::Index row) const;
+  const cv::Mat& pictureOf(dataset::Index row);
+  /// Depth by the backend of the source, m.
+  const cv::Mat& depthOf(dataset::Index row);
+  /// The true one of a simulated dataroot, m.
+  const cv::Mat& trueDepth(dataset::Index row);
+
+  /// Is there a LIDAR_TOP sweep on disk that goes with the image?
+  bool hasLidar(dataset::Index row) const { return lidarOf(row) != nullptr; }
+  /// Depth of the points held out from the backend, m; NaN elsewhere. @throws dataset::DatasetError.
+  cv::Mat heldOutDepth(dataset::Index row) const;
+
+ protected:
+  std::filesystem::path truthFile(const std::string& folder, dataset::Index row) const;
+  cv::Size sizeOf(dataset::Index row) const;
+  const RadarScene& radar() const { return radar_; }
+
+ private:
+  enum class LidarPart { kAll, kSeen, kHeldOut };
+  cv::Mat computeDepth(dataset::Index row);
+  std::vector<Eigen::Vector3f> radarPoints(double time) const;
+  const dataset::SampleData* lidarOf(dataset::Index row) const;
+  std::vector<Eigen::Vector3f> lidarPoints(dataset::Index row, LidarPart part) const;
+
+  const dataset::Tables& tables_;
+  const RadarScene& radar_;
+  DepthSource source_;
+  std::unique_ptr<DepthEstimator> depth_;
+  std::map<dataset::Index, cv::Mat> pictures_, depths_, true_depths_;
+};
+
+}  // namespace radar_dot::evaluation

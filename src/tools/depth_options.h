@@ -1,0 +1,39 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "radar_dot/vision/depth_estimator.h"
+
+namespace radar_dot::tools {
+
+/// Where depth comes from: options of the evaluators that need it.
+inline void declareDepthSource(CLI::App& app, std::string& backend, std::string& directory) {
+  app.add_option("--depth", backend, "radar_ground, lidar, ground_truth, noisy, files")
+      ->capture_default_str();
+  app.add_option("--depth-directory", directory, "Folder of 16-bit PNG depths, for --depth files");
+}
+
+/// Parameters of its backends.
+inline void declareDepthParams(CLI::App& app, DepthParams& depth) {
+  app.add_option("--ground-pitch", depth.ground_pitch, "rad (radar_ground)")->capture_default_str();
+  app.add_flag("--image-edges", depth.image_edges,
+               "Move the borders of columns to edges of the image (radar_ground)");
+  app.add_option("--column-height", depth.column_height, "m (radar_ground)")->capture_default_str();
+  app.add_option("--column-half-width", depth.column_half_width, "m (radar_ground)")->capture_default_str();
+  app.add_option("--background-depth", depth.background_depth, "m (radar_ground); 0 = unknown")
+      ->capture_default_str();
+  app.add_option("--background-angle", depth.background_angle, "rad (radar_ground)")->capture_default_str();
+  app.add_option("--completion-kernel", depth.completion_kernel, "px (lidar)")->capture_default_str();
+}
+
+/// The grid that flow, depth and masks are on.
+inline void declareGrid(CLI::App& app, int& working_width) {
+  app.add_option("--working-width", working_width, "px, grid of flow, depth and mask; 0 = the image's")
+      ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
+}
+
+}  // namespace radar_dot::tools

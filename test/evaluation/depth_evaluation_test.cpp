@@ -1,0 +1,198 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/evaluation/depth_evaluation.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <initializer_list>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "evaluation/simulated_dataroot.h"
+#include "fixtures/files.h"
+#include "fixtures/refusal.h"
+
+namespace radar_dot::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+
+class DepthEvaluation : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(SIMULATOR); }
+  static void TearDownTestSuite() { dataroot_.reset(); }
+  static DepthReport evaluate(const std::string& depth, const std::string& truth) {
+    DepthEvaluationOptions options;
+    options.depth = depth;
+    options.truth = truth;
+    return evaluateDepth(dataroot_->tables(), 0, options);
+  }
+  static std::unique_ptr<test::SimulatedDataroot> dataroot_;
+};
+std::unique_ptr<test::SimulatedDataroot> DepthEvaluation::dataroot_;
+
+TEST_F(DepthEvaluation, TheTruthHasNoErrors) {
+  const DepthReport report = evaluate("ground_truth", "ground_truth");
+  EXPECT_EQ(report.scene, dataroot_->tables().scenes[0].name);
+  EXPECT_GE(report.images, 4U);
+  EXPECT_EQ(report.without_truth, 0U);
+  for (const DepthErrors::Sums& sums : report.errors.within) {
+    EXPECT_GT(sums.compared, 10000U);
+    EXPECT_EQ(sums.absolute, 0.0);
+    EXPECT_EQ(sums.coverage(), 1.0);
+  }
+}
+
+TEST_F(DepthEvaluation, BackendsDiffer) {
+  const DepthErrors::Sums noisy = evaluate("noisy", "ground_truth").errors.within[0];
+  const DepthErrors::Sums radar = evaluate("radar_ground", "ground_truth").errors.within[0];
+  EXPECT_GT(noisy.meanAbsoluteError(), 0.2);
+  EXPECT_LT(noisy.meanAbsoluteError(), 3.0);
+  EXPECT_GT(radar.meanAbsoluteError(), noisy.meanAbsoluteError());
+  EXPECT_LT(radar.meanAbsoluteError(), 15.0);
+}
+
+// Lidar and depth image tell of one world: the truths agree but at edges.
+TEST_F(DepthEvaluation, LidarIsWhereTheTrueDepthIs) {
+  const DepthReport report = evaluate("ground_truth", "lidar");
+  EXPECT_EQ(report.without_truth, 0U);
+  EXPECT_GT(report.errors.within[0].compared, 1000U);
+  EXPECT_LT(report.errors.within[0].meanAbsoluteError(), 1.0);
+}
+
+TEST_F(DepthEvaluation, CompletedLidarIsNearTheHeldOutPoints) {
+  const DepthErrors::Sums sums = evaluate("lidar", "lidar").errors.within[0];
+  EXPECT_GT(sums.coverage(), 0.5);
+  EXPECT_GT(sums.meanAbsoluteError(), 0.01);
+  EXPECT_LT(sums.meanAbsoluteError(), 2.0);
+}
+
+/// Moves one half of the points of a sweep to the sensor, where no camera sees them: of each beam every
+/// second one, that half beginning with the first one in even beams (0) or in odd beams (1).
+void hideHalf(const fs::path& sweep, std::size_t half) {
+  constexpr std::size_t kValues = 5;  // x, y, z, intensity, ring
+  std::string bytes = test::readFile(sweep);
+  std::map<float, std::size_t> counts;
+  for (std::size_t start = 0; start < bytes.size(); start += kValues * sizeof(float)) {
+    std::array<float, kValues> record{};
+    std::memcpy(record.data(), bytes.data() + start, sizeof(record));
+    const auto beam = static_cast<std::size_t>(record[4]);
+    if ((beam + counts[record[4]]++) % 2 != half) continue;
+    record[0] = record[1] = record[2] = 0.0F;
+    std::memcpy(bytes.data() + start, record.data(), sizeof(record));
+  }
+  test::writeFile(sweep, bytes);
+}
+
+// Without the one half the backend has nothing to see, without the other there is nothing to compare with.
+TEST_F(DepthEvaluation, HeldOutPointsAreNotSeen) {
+  const dataset::Tables& tables = dataroot_->tables();
+  const dataset::Index first = tables.readingsOf(0, "LIDAR_TOP").front();
+  const fs::path sweep = tables.path(tables.sample_data[static_cast<std::size_t>(first)]);
+  const std::string original = test::readFile(sweep);
+  const auto evaluate_first = [&tables] {
+    DepthEvaluationOptions options;
+    options.depth = "lidar";
+    options.truth = "lidar";
+    options.max_images = 1;
+    return evaluateDepth(tables, 0, options).errors.within[0];
+  };
+  hideHalf(sweep, 0);
+  const DepthErrors::Sums nothing_seen = evaluate_first();
+  test::writeFile(sweep, original);
+  hideHalf(sweep, 1);
+  const DepthErrors::Sums nothing_held_out = evaluate_first();
+  test::writeFile(sweep, original);
+  EXPECT_GT(nothing_seen.true_pixels, 500U);
+  EXPECT_EQ(nothing_seen.compared, 0U);
+  EXPECT_EQ(nothing_held_out.true_pixels, 0U);
+}
+
+TEST_F(DepthEvaluation, ImagesWithoutASweepAreCountedNotCompared) {
+  const dataset::Tables& tables = dataroot_->tables();
+  const std::size_t images = evaluate("ground_truth", "lidar").images;
+  const dataset::Index first = tables.readingsOf(0, "LIDAR_TOP").front();
+  const fs::path sweep = tables.path(tables.sample_data[static_cast<std::size_t>(first)]);
+  const fs::path hidden = sweep.string() + ".hidden";
+  fs::rename(sweep, hidden);
+  const DepthReport report = evaluate("ground_truth", "lidar");
+  const auto depth_by_lidar = [] { evaluate("lidar", "ground_truth"); };
+  test::expectRefusal<dataset::DatasetError>(depth_by_lidar, {"no LIDAR_TOP sweep", "CAM_FRONT"});
+  fs::rename(hidden, sweep);
+  EXPECT_EQ(report.images, images - 1);
+  EXPECT_EQ(report.without_truth, 1U);
+}
+
+TEST_F(DepthEvaluation, TheFirstImagesOnly) {
+  DepthEvaluationOptions options;
+  options.depth = "ground_truth";
+  options.max_images = 2;
+  EXPECT_EQ(evaluateDepth(dataroot_->tables(), 0, options).images, 2U);
+}
+
+TEST_F(DepthEvaluation, RefusesWhatItDoesNotKnow) {
+  const auto expect = [](const DepthEvaluationOptions& options, std::initializer_list<std::string> parts) {
+    test::expectRefusal<std::exception>([&options] { evaluateDepth(dataroot_->tables(), 0, options); },
+                                        parts);
+  };
+  DepthEvaluationOptions options;
+  options.truth = "radar";
+  expect(options, {"truth 'radar'", "ground_truth, lidar"});
+  options = {};
+  options.depth = "stereo";
+  expect(options, {"stereo"});
+  options = {};
+  options.depth = "files";
+  expect(options, {"'files'"});
+  options.depth_directory = "/nowhere";
+  expect(options, {"/nowhere"});
+  options = {};
+  options.channel = "CAM_ROOF";
+  expect(options, {"CAM_ROOF"});
+}
+
+TEST(DepthReports, FiguresStandInTableAndFiles) {
+  DepthReport report;
+  report.scene = "scene-0001";
+  report.images = 2;
+  report.without_truth = 1;
+  report.errors.within[0] = {200, 100, 150.0, 400.0};
+  DepthReport overall = report;
+  overall += report;
+  const std::string json = formatJson({report}, overall);
+  for (const char* member :
+       {"\"mae_50\": 1.5", "\"rmse_50\": 2.0", "\"coverage_50\": 0.5", "\"mae_70\": null",
+        "\"without_truth\": 2", "\"true_pixels_50\": 400", "\"compared_50\": 200"})
+    EXPECT_NE(json.find(member), std::string::npos) << member << json;
+  EXPECT_EQ(formatCsv({report}, overall),
+            "scene,mae_50,rmse_50,coverage_50,mae_70,rmse_70,coverage_70,mae_80,rmse_80,coverage_80,images,"
+            "without_truth,true_pixels_50,compared_50,true_pixels_70,compared_70,true_pixels_80,compared_80\n"
+            "scene-0001,1.500000,2.000000,0.500000,,,,,,,2,1,200,100,0,0,0,0\n"
+            "overall,1.500000,2.000000,0.500000,,,,,,,4,2,400,200,0,0,0,0\n");
+  EXPECT_NE(formatTable({report}, overall).find("Overall             4         2     1.500     2.000"),
+            std::string::npos)
+      << formatTable({report}, overall);
+}
+
+TEST(RealDepth, CompletedLidarIsNearTheHeldOutPoints) {
+  const std::string dataroot = std::string(RADAR_DOT_SHARED_DATA) + "/nuscenes_mini_real";
+  if (!fs::exists(dataroot)) GTEST_SKIP() << dataroot << " is not there";
+  dataset::LoadOptions load;
+  load.scenes = {"scene-0061"};
+  const dataset::Tables tables = dataset::Tables::load(dataroot, load);
+  DepthEvaluationOptions options;
+  options.depth = "lidar";
+  options.truth = "lidar";
+  const DepthReport report = evaluateDepth(tables, tables.findScene("scene-0061"), options);
+  EXPECT_EQ(report.images, 1U);
+  EXPECT_GT(report.errors.within[0].coverage(), 0.6);
+  EXPECT_LT(report.errors.within[0].meanAbsoluteError(), 2.0);
+}
+
+}  // namespace
+}  // namespace radar_dot::evaluation
