@@ -14,6 +14,21 @@ namespace {
 constexpr double kTwistHold = 0.3;        // s
 constexpr std::size_t kMaxSensors = 100;  // more are frame names that vary from message to message
 
+/// The field `name` where it can be read; null where there is none.
+/// @throws std::invalid_argument for a field of no known type, or that reaches beyond its point
+const PointField* readableField(const std::vector<PointField>& fields, const PointCloudView& view,
+                                const char* name) {
+  const PointField* field = findField(fields, name);
+  if (field == nullptr) return nullptr;
+  const std::size_t size = scalarSize(field->type);
+  if (size == 0) throw std::invalid_argument(std::string("its field ") + name + " has no known type");
+  if (field->offset + size > view.point_step) {
+    throw std::invalid_argument(std::string("its field ") + name + " reaches beyond the " +
+                                std::to_string(view.point_step) + " bytes of a point");
+  }
+  return field;
+}
+
 }  // namespace
 
 std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
@@ -22,12 +37,12 @@ std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
   std::array<const PointField*, 3> axes{};
   constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    axes[i] = findField(fields, kNames[i]);
+    axes[i] = readableField(fields, view, kNames[i]);
     if (axes[i] == nullptr && view.size() > 0) {
       throw std::invalid_argument("its fields are " + fieldNames(fields) + "; x, y and z are needed");
     }
   }
-  const PointField* residual = findField(fields, "residual");
+  const PointField* residual = readableField(fields, view, "residual");
   const auto read = [](const std::uint8_t* data, const PointField& field) {
     return static_cast<float>(readScalar(data + field.offset, field.type));
   };

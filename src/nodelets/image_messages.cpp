@@ -16,8 +16,28 @@ namespace {
 
 namespace encodings = sensor_msgs::image_encodings;
 
+/// cv_bridge multiplies the sizes in 32 bits, and takes the other byte order for other types.
+void expectSoundBytes(const sensor_msgs::Image& message, const std::string& what) {
+  const std::uint64_t bytes = static_cast<std::uint64_t>(message.step) * message.height;
+  if (bytes != message.data.size()) {
+    throw std::invalid_argument(what + ": it has " + std::to_string(message.data.size()) +
+                                " bytes instead of " + std::to_string(bytes) + ", its step times its height");
+  }
+  bool deep = false;
+  try {
+    constexpr int kByte = 8;
+    deep = encodings::bitDepth(message.encoding) > kByte;
+  } catch (const std::exception&) {
+    return;  // an unknown encoding is refused by its name further on
+  }
+  if (message.is_bigendian != 0 && deep) {
+    throw std::invalid_argument(what + ": its pixels are in the other byte order (is_bigendian)");
+  }
+}
+
 /// A view into the message. @throws std::invalid_argument where its sizes contradict each other.
 cv::Mat viewOf(const sensor_msgs::Image& message, const std::string& what) {
+  expectSoundBytes(message, what);
   try {
     // No owner: the caller keeps the message.
     return cv_bridge::toCvShare(message, boost::shared_ptr<const void>())->image;
@@ -50,6 +70,7 @@ bool isGridOf(const cv::Size& grid, const cv::Size& image) {
 
 Picture pictureOf(const sensor_msgs::ImageConstPtr& message) {
   expectSize(*message, "image");
+  expectSoundBytes(*message, "image");
   const bool grey = message->encoding == encodings::MONO8 || message->encoding == encodings::MONO16;
   try {
     const cv_bridge::CvImageConstPtr converted =

@@ -17,6 +17,7 @@ void checkHeader(const std_msgs::Header& header, const ros::Time& now) {
 }
 
 bool InputMonitor::accept(const std_msgs::Header& header, const ros::Time& now) {
+  latest_is_good_ = false;
   checkHeader(header, now);
   const StampGuard::Verdict verdict = stamps_.check(header.stamp);
   if (verdict == StampGuard::Verdict::kStale) {
@@ -24,16 +25,21 @@ bool InputMonitor::accept(const std_msgs::Header& header, const ros::Time& now) 
   }
   stream_.tick(header.stamp, now);
   ++good_;
+  latest_is_good_ = true;
   return verdict == StampGuard::Verdict::kGood;
 }
 
 void InputMonitor::acceptUnordered(const std_msgs::Header& header, const ros::Time& now) {
+  latest_is_good_ = false;
   checkHeader(header, now);
   stream_.tick(header.stamp, now);
   ++good_;
+  latest_is_good_ = true;
 }
 
 void InputMonitor::refuse(const std::string& cause) {
+  if (latest_is_good_ && good_ > 0) --good_;  // its header was in order, the rest was not
+  latest_is_good_ = false;
   cause_ = cause;
   ++refused_;
   ++refused_in_all_;

@@ -37,6 +37,7 @@ class InputMonitor {
   bool accept(const std_msgs::Header& header, const ros::Time& now);
   /// The same for messages that several sources send on one topic, in no order.
   void acceptUnordered(const std_msgs::Header& header, const ros::Time& now);
+  /// The latest message cannot be used, whether it was accepted or not.
   void refuse(const std::string& cause);
   void reset();
 
@@ -49,6 +50,7 @@ class InputMonitor {
   StreamMonitor stream_;
   StampGuard stamps_;
   std::string cause_;
+  bool latest_is_good_ = false;
   std::size_t good_ = 0;     // since the last report
   std::size_t refused_ = 0;  // since the last report
   std::size_t refused_in_all_ = 0;

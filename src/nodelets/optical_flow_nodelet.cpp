@@ -114,9 +114,11 @@ void OpticalFlowNodelet::onImage(LazyPicture picture) {
     return;
   }
   if (publisher_.getNumSubscribers() == 0) return;
+  // Who comes in place of a pair that waited has waited as long: else none might ever be computed.
+  const ros::WallTime since = waiting_ ? waiting_->arrival : ros::WallTime::now();
   if (waiting_) ++replaced_;
   const bool forward = config_.direction == "forward";
-  waiting_ = Pair{forward ? before : current, forward ? current : before, ros::WallTime::now()};
+  waiting_ = Pair{forward ? before : current, forward ? current : before, since};
   processWaiting();
 }
 

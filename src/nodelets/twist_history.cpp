@@ -59,8 +59,8 @@ void TwistHistory::add(const StampedVelocity& velocity) {
 StampedVelocity TwistHistory::at(double time) const {
   const auto after = std::lower_bound(velocities_.begin(), velocities_.end(), time,
                                       [](const StampedVelocity& v, double t) { return v.time < t; });
-  if (after == velocities_.begin()) return velocities_.front();
-  if (after == velocities_.end()) return velocities_.back();
+  if (after == velocities_.begin()) return {time, velocities_.front().linear, velocities_.front().angular};
+  if (after == velocities_.end()) return {time, velocities_.back().linear, velocities_.back().angular};
   const StampedVelocity& before = *std::prev(after);
   const double share = (time - before.time) / (after->time - before.time);
   return {time, before.linear + share * (after->linear - before.linear),

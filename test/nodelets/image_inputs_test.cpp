@@ -1,0 +1,336 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Decoding, flow, depth and overlay with images, clouds and depth whose results are known, and wrong ones.
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <gtest/gtest.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <thread>
+
+#include "live_graph.h"
+#include "vision_world.h"
+
+namespace radar_dot::test {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+using sensor_msgs::CompressedImage;
+using sensor_msgs::Image;
+
+constexpr double kPatience = 10.0;     // s; machines are slow at times
+constexpr double kShift = 4.0;         // px to the right per image
+constexpr double kWrap = 64.0;         // px; the texture starts again after so many
+constexpr float kReturnAhead = 12.0F;  // m, base frame
+
+/// Messages of one image; faults change them.
+struct Frame {
+  Image image;
+  CompressedImage compressed;
+  Image depth;
+};
+using Fault = std::function<void(Frame&)>;
+
+CompressedImage compress(const Image& image) {
+  CompressedImage compressed;
+  compressed.header = image.header;
+  compressed.format = "png";
+  cv::imencode(".png", matOf(image, CV_8UC1), compressed.data);
+  return compressed;
+}
+
+/// Publishes images, a return and a lidar point, and depth, at 10 Hz from a thread.
+class LiveCamera {
+ public:
+  explicit LiveCamera(ros::NodeHandle& handle)
+      : image_(handle.advertise<Image>("image", 10)),
+        compressed_(handle.advertise<CompressedImage>("image/compressed", 10)),
+        depth_(handle.advertise<Image>("test/depth", 10)),
+        camera_(handle.advertise<sensor_msgs::CameraInfo>("camera_info", 10)),
+        twist_(handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10)),
+        radar_(handle.advertise<sensor_msgs::PointCloud2>("radar", 10)),
+        lidar_(handle.advertise<sensor_msgs::PointCloud2>("lidar", 10)),
+        mask_(handle.advertise<Image>("test/mask", 10)),
+        valid_(handle.advertise<Image>("test/valid", 10)),
+        expected_(handle.advertise<Image>("test/expected_flow", 10)) {
+    broadcaster_.sendTransform(VisionWorld::mount());
+    thread_ = std::thread([this] { run(); });
+  }
+  ~LiveCamera() {
+    stop_ = true;
+    thread_.join();
+  }
+  void set(const Fault& fault) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    fault_ = fault;
+  }
+
+ private:
+  void run() {
+    ros::WallRate rate(1.0 / VisionWorld::kPeriod);
+    for (int i = 0; !stop_ && ros::ok(); ++i) {
+      const ros::Time stamp = ros::Time::now();
+      Frame frame;
+      frame.image = VisionWorld::image(stamp, std::fmod(kShift * i, kWrap));
+      frame.compressed = compress(frame.image);
+      frame.depth = imageOf(stamp, "16UC1", cv::Mat(180, 320, CV_16UC1, cv::Scalar(7500)));
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (fault_) fault_(frame);
+      }
+      // The scans are a tenth of a second old when the image is taken: the vehicle has come nearer.
+      const ros::Time scan = stamp - ros::Duration(0.1);
+      twist_.publish(VisionWorld::twist(stamp));
+      camera_.publish(VisionWorld::cameraInfo(stamp));
+      radar_.publish(cloudOf(scan, "base_link", {{kReturnAhead, 0.0F, 0.5F}}));
+      lidar_.publish(cloudOf(scan, "base_link", {{kReturnAhead, 0.0F, 1.5F}, {NAN, 0.0F, 0.0F}}));
+      ros::WallDuration(0.01).sleep();  // so that they are there before the image
+      image_.publish(frame.image);
+      compressed_.publish(frame.compressed);
+      depth_.publish(frame.depth);
+      mask_.publish(imageOf(stamp, "mono8", cv::Mat::zeros(180, 320, CV_8UC1)));
+      valid_.publish(imageOf(stamp, "mono8", cv::Mat(180, 320, CV_8UC1, cv::Scalar(255))));
+      expected_.publish(imageOf(stamp, "32FC2", cv::Mat::zeros(90, 160, CV_32FC2)));
+      rate.sleep();
+    }
+  }
+
+  ros::Publisher image_, compressed_, depth_, camera_, twist_, radar_, lidar_, mask_, valid_, expected_;
+  tf2_ros::StaticTransformBroadcaster broadcaster_;
+  std::mutex mutex_;
+  Fault fault_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+class ImageInputs : public testing::Test {
+ protected:
+  template <typename Message>
+  testing::AssertionResult comes(const Recorder<Message>& recorder, std::size_t more = 3) {
+    const std::size_t before = recorder.count();
+    if (waitUntil([&] { return recorder.count() >= before + more; }, kPatience))
+      return testing::AssertionSuccess();
+    return testing::AssertionFailure() << "nothing comes";
+  }
+  void expectReported(const Fault& fault, const std::string& name, const std::string& words) {
+    camera_.set(fault);
+    EXPECT_TRUE(waitUntil(
+        [&] {
+          const Diagnostics::Status status = diagnostics_.latest(name);
+          return status.level >= DiagnosticStatus::WARN && status.message.find(words) != std::string::npos;
+        },
+        kPatience))
+        << name << " says '" << diagnostics_.latest(name).message << "', not '" << words << "'";
+    camera_.set({});
+    EXPECT_TRUE(waitUntil([&] { return diagnostics_.latest(name).level == DiagnosticStatus::OK; }, kPatience))
+        << name << " still says '" << diagnostics_.latest(name).message << "'";
+  }
+  /// Median horizontal flow in px of the image per tenth of a second, and whether stamps run forward. The
+  /// pair over which the texture starts again shows as an outlier that the median over messages leaves out.
+  static double medianFlow(const std::vector<boost::shared_ptr<const Flow>>& flows) {
+    std::vector<double> medians;
+    for (const auto& flow : flows) {
+      const cv::Mat field = matOf(flow->flow, CV_32FC2);
+      std::vector<float> values;
+      for (int row = 20; row < field.rows - 20; ++row)
+        for (int column = 40; column < field.cols - 40; ++column)
+          values.push_back(field.at<cv::Vec2f>(row, column)[0]);
+      std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                       values.end());
+      const double scale = static_cast<double>(flow->image_width) / field.cols;
+      medians.push_back(scale * values[values.size() / 2]);
+    }
+    std::sort(medians.begin(), medians.end());
+    return medians[medians.size() / 2];
+  }
+  static float depthAt(const Image& message, int row, int column) {
+    return matOf(message, CV_32FC1).at<float>(row, column);
+  }
+
+  ros::NodeHandle handle_;
+  Diagnostics diagnostics_{handle_};
+  LiveCamera camera_{handle_};
+};
+
+TEST_F(ImageInputs, FlowRunsForwardOnRawImages) {
+  const Recorder<Flow> flows(handle_, "raw_flow/flow");
+  ASSERT_TRUE(comes(flows, 9));
+  EXPECT_NEAR(medianFlow(flows.messages()), kShift, 0.5);
+  const Flow& flow = *flows.messages().back();
+  EXPECT_EQ(flow.flow.width, 160U);
+  EXPECT_EQ(flow.image_width, 320U);
+  EXPECT_LT(flow.header.stamp, flow.second_stamp);
+}
+
+TEST_F(ImageInputs, FlowRunsBackwardOnCompressedImagesFartherApart) {
+  const Recorder<Flow> flows(handle_, "backward_flow/flow");
+  ASSERT_TRUE(comes(flows, 9));
+  EXPECT_NEAR(medianFlow(flows.messages()), -2.0 * kShift, 1.0);
+  const Flow& flow = *flows.messages().back();
+  EXPECT_EQ(flow.flow.width, 320U);
+  EXPECT_EQ(flow.valid.encoding, "mono8");
+  EXPECT_NEAR((flow.header.stamp - flow.second_stamp).toSec(), 0.2, 0.05);
+}
+
+TEST_F(ImageInputs, FlowThatStartsFromTheExpectedOneWaitsForIt) {
+  const Recorder<Flow> flows(handle_, "expected_flow/flow");
+  ASSERT_TRUE(comes(flows));
+  // Without depth it goes on from nothing, and says so.
+  expectReported([](Frame& frame) { frame.depth.header.stamp += ros::Duration(0.001); },
+                 "expected_flow: flow", "nothing");
+}
+
+TEST_F(ImageInputs, WrongImagesAreRefused) {
+  const Recorder<Flow> raw(handle_, "raw_flow/flow");
+  const Recorder<Flow> compressed(handle_, "backward_flow/flow");
+  ASSERT_TRUE(comes(raw));
+  expectReported([](Frame& frame) { frame.image.encoding = "purple8"; }, "raw_flow: input image", "purple8");
+  expectReported([](Frame& frame) { frame.image.data.resize(10); }, "raw_flow: input image", "image");
+  expectReported([](Frame& frame) { frame.image.width = frame.image.height = 0; }, "raw_flow: input image",
+                 "empty");
+  expectReported(
+      [](Frame& frame) { frame.compressed.data.resize(frame.compressed.data.size() > 30 ? 30 : 0); },
+      "backward_flow: input image", "decoded");
+  EXPECT_TRUE(comes(raw));
+  EXPECT_TRUE(comes(compressed));
+}
+
+TEST_F(ImageInputs, ImagesMayChangeTheirSize) {
+  const Recorder<Flow> raw(handle_, "raw_flow/flow");
+  ASSERT_TRUE(comes(raw));
+  camera_.set([](Frame& frame) {
+    frame.image = imageOf(frame.image.header.stamp, "mono8", cv::Mat(360, 640, CV_8UC1, cv::Scalar(90)));
+  });
+  EXPECT_TRUE(waitUntil([&] { return raw.messages().back()->image_width == 640U; }, kPatience));
+  camera_.set({});
+  EXPECT_TRUE(waitUntil([&] { return raw.messages().back()->image_width == 320U; }, kPatience));
+}
+
+TEST_F(ImageInputs, DecodedImagesAreTheOriginals) {
+  const Recorder<Image> decoded(handle_, "decode/image");
+  const Recorder<Image> original(handle_, "image");
+  ASSERT_TRUE(comes(decoded));
+  const auto image = decoded.messages().back();
+  EXPECT_EQ(image->encoding, "bgr8");
+  for (const auto& candidate : original.messages()) {
+    if (candidate->header.stamp != image->header.stamp) continue;
+    cv::Mat colour;
+    cv::cvtColor(matOf(*candidate, CV_8UC1), colour, cv::COLOR_GRAY2BGR);
+    EXPECT_EQ(cv::norm(colour, matOf(*image, CV_8UC3), cv::NORM_INF), 0.0);
+    return;
+  }
+  ADD_FAILURE() << "no original with the stamp of the decoded image";
+}
+
+TEST_F(ImageInputs, RadarDepthFollowsTheVehicle) {
+  const Recorder<Image> depths(handle_, "ground_depth/depth");
+  ASSERT_TRUE(comes(depths, 5));
+  const Image& depth = *depths.messages().back();
+  ASSERT_EQ(depth.encoding, "32FC1");
+  ASSERT_EQ(depth.width, 160U);
+  // The return 12 m ahead of the base was seen 0.1 s before; the camera sits 1.7 m ahead of the base.
+  const double expected = static_cast<double>(kReturnAhead) - VisionWorld::kSpeed * 0.1 - 1.7;
+  EXPECT_NEAR(depthAt(depth, 50, 80), expected, 0.1);  // just below the horizon
+  // The ground 0.15 m below the lower border of the image's middle column: z f / (v - c) = height.
+  const double ground = 1.5 * 100.0 / (89.0 - 44.5);
+  EXPECT_NEAR(depthAt(depth, 89, 20), ground, 0.1);
+  EXPECT_TRUE(std::isnan(depthAt(depth, 5, 5)));  // the sky
+}
+
+TEST_F(ImageInputs, LidarDepthFollowsTheVehicle) {
+  const Recorder<Image> depths(handle_, "lidar_depth/depth");
+  ASSERT_TRUE(comes(depths, 5));
+  const cv::Mat depth = matOf(*depths.messages().back(), CV_32FC1);
+  const cv::Mat known = depth == depth;  // not NaN
+  ASSERT_GT(cv::countNonZero(known), 0);
+  double largest = 0.0;
+  cv::Mat values = depth.clone();
+  values.setTo(0.0F, ~known);
+  cv::minMaxLoc(values, nullptr, &largest);
+  EXPECT_NEAR(largest, static_cast<double>(kReturnAhead) - VisionWorld::kSpeed * 0.1 - 1.7, 0.1);
+}
+
+TEST_F(ImageInputs, SomebodyElsesDepthIsCleaned) {
+  const Recorder<Image> depths(handle_, "topic_depth/depth");
+  ASSERT_TRUE(comes(depths));
+  EXPECT_FLOAT_EQ(depthAt(*depths.messages().back(), 40, 40), 7.5F);
+  EXPECT_EQ(depths.messages().back()->width, 160U);
+  camera_.set([](Frame& frame) {
+    frame.depth = imageOf(frame.depth.header.stamp, "32FC1",
+                          cv::Mat(180, 320, CV_32FC1, cv::Scalar(std::numeric_limits<double>::infinity())));
+  });
+  EXPECT_TRUE(waitUntil([&] { return std::isnan(depthAt(*depths.messages().back(), 40, 40)); }, kPatience));
+  expectReported([](Frame& frame) { frame.depth.encoding = "bgr8"; }, "topic_depth: input depth/input",
+                 "bgr8");
+}
+
+TEST_F(ImageInputs, AMisspeltBackendIsReplaced) {
+  EXPECT_TRUE(waitUntil(
+      [&] {
+        const Diagnostics::Status status = diagnostics_.latest("misspelt_depth: depth");
+        return status.level == DiagnosticStatus::ERROR && status.message.find("lydar") != std::string::npos;
+      },
+      kPatience));
+  const Recorder<Image> depths(handle_, "misspelt_depth/depth");
+  EXPECT_TRUE(comes(depths));
+}
+
+TEST_F(ImageInputs, BackendsAreExchangedLive) {
+  const Recorder<Image> depths(handle_, "topic_depth/depth");
+  ASSERT_TRUE(comes(depths));
+  const auto choose = [](const std::string& backend) {
+    dynamic_reconfigure::Reconfigure call;
+    dynamic_reconfigure::StrParameter parameter;
+    parameter.name = "backend";
+    parameter.value = backend;
+    call.request.config.strs.push_back(parameter);
+    return ros::service::call("topic_depth/set_parameters", call);
+  };
+  ASSERT_TRUE(choose("radar_ground"));
+  EXPECT_TRUE(waitUntil([&] { return std::abs(depthAt(*depths.messages().back(), 40, 40) - 7.5F) > 0.5F; },
+                        kPatience));
+  ASSERT_TRUE(choose("topic"));
+  EXPECT_TRUE(waitUntil([&] { return std::abs(depthAt(*depths.messages().back(), 40, 40) - 7.5F) < 1e-3F; },
+                        kPatience));
+}
+
+TEST_F(ImageInputs, PicturesAreDrawnWhileSomebodyLooks) {
+  EXPECT_TRUE(waitUntil([&] { return diagnostics_.latest("overlay: overlay").message == "nobody looks"; },
+                        kPatience));
+  const Recorder<Image> masks(handle_, "overlay/mask");
+  const Recorder<Image> panels(handle_, "overlay/six_panel");
+  ASSERT_TRUE(comes(masks));
+  ASSERT_TRUE(comes(panels));
+  EXPECT_EQ(masks.messages().back()->width, 320U);
+  EXPECT_EQ(panels.messages().back()->encoding, "bgr8");
+  EXPECT_EQ(panels.messages().back()->width, 3U * 640U);
+  // A part that does not come is missing in the picture, not the picture.
+  camera_.set([](Frame& frame) { frame.depth.header.stamp += ros::Duration(0.001); });
+  EXPECT_TRUE(waitUntil(
+      [&] {
+        return diagnostics_.latest("overlay: overlay").message.find("/topic_depth/depth") !=
+               std::string::npos;
+      },
+      kPatience));
+  EXPECT_TRUE(comes(panels));
+}
+
+}  // namespace
+}  // namespace radar_dot::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "image_inputs_test");
+  const ros::NodeHandle keeper;
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  return RUN_ALL_TESTS();
+}

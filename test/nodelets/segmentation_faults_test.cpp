@@ -1,0 +1,293 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// DynamicSegmentation with flow, depth and velocity whose mask is known, and with every wrong input we know.
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <gtest/gtest.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <opencv2/imgproc.hpp>
+#include <thread>
+
+#include "live_graph.h"
+#include "vision_world.h"
+
+namespace radar_dot::test {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+using sensor_msgs::Image;
+
+constexpr double kPatience = 10.0;  // s; machines are slow at times
+constexpr const char* kVerdict = "segmentation: segmentation";
+
+/// Messages of one image; faults change them, or send none by clearing `send...`.
+struct Frame {
+  Flow flow;
+  Image depth;
+  sensor_msgs::CameraInfo camera;
+  geometry_msgs::TwistWithCovarianceStamped twist;
+  bool send_depth = true, send_twist = true;
+};
+using Fault = std::function<void(Frame&)>;
+
+/// Publishes the world at 10 Hz from a thread.
+class LiveWorld {
+ public:
+  explicit LiveWorld(ros::NodeHandle& handle)
+      : flow_(handle.advertise<Flow>("flow", 10)),
+        depth_(handle.advertise<Image>("depth", 10)),
+        camera_(handle.advertise<sensor_msgs::CameraInfo>("camera_info", 10)),
+        twist_(handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10)) {
+    broadcaster_.sendTransform(VisionWorld::mount());
+    thread_ = std::thread([this] { run(); });
+  }
+  ~LiveWorld() {
+    stop_ = true;
+    thread_.join();
+  }
+  void set(const Fault& fault) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    fault_ = fault;
+  }
+  void setBackward(bool backward) { backward_ = backward; }
+  void shiftTime(double seconds) { offset_ = seconds; }
+
+ private:
+  void run() {
+    ros::WallRate rate(1.0 / VisionWorld::kPeriod);
+    ros::Time before;
+    while (!stop_ && ros::ok()) {
+      // Of now, less than the tolerance behind: a clock that is not ours must not matter.
+      const ros::Time stamp = ros::Time::now() + ros::Duration(offset_);
+      Frame frame;
+      frame.depth = VisionWorld::depth(stamp);
+      frame.camera = VisionWorld::cameraInfo(stamp);
+      frame.twist = VisionWorld::twist(stamp);
+      if (!before.isZero()) {
+        frame.flow = backward_ ? VisionWorld::flow(stamp, before) : VisionWorld::flow(before, stamp);
+      }
+      Fault fault;
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        fault = fault_;
+      }
+      if (fault) fault(frame);
+      camera_.publish(frame.camera);
+      if (frame.send_twist) twist_.publish(frame.twist);
+      if (frame.send_depth) depth_.publish(frame.depth);
+      if (!before.isZero()) flow_.publish(frame.flow);
+      before = stamp;
+      rate.sleep();
+    }
+  }
+
+  ros::Publisher flow_, depth_, camera_, twist_;
+  tf2_ros::StaticTransformBroadcaster broadcaster_;
+  std::mutex mutex_;
+  Fault fault_;
+  std::atomic<bool> stop_{false}, backward_{false};
+  std::atomic<double> offset_{0.0};
+  std::thread thread_;
+};
+
+class SegmentationFaults : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(masksComeAnew()); }
+
+  /// Masks of good data, after whatever was before.
+  bool masksComeAnew() {
+    const std::size_t before = masks_.count();
+    return waitUntil([&] { return masks_.count() >= before + 3; }, kPatience);
+  }
+  /// Runs a fault until `name` reports it; the nodelet must then get over it.
+  void expectReported(const Fault& fault, const std::string& name, const std::string& words,
+                      int level = DiagnosticStatus::ERROR) {
+    world_.set(fault);
+    const bool reported = waitUntil(
+        [&] {
+          const Diagnostics::Status status = diagnostics_.latest(name);
+          return status.level >= level && status.message.find(words) != std::string::npos;
+        },
+        kPatience);
+    EXPECT_TRUE(reported) << name << " says '" << diagnostics_.latest(name).message << "', not '" << words
+                          << "'";
+    world_.set({});
+    EXPECT_TRUE(masksComeAnew()) << "after " << words;
+    EXPECT_TRUE(waitUntil([&] { return diagnostics_.latest(name).level == DiagnosticStatus::OK; }, kPatience))
+        << name << " still says '" << diagnostics_.latest(name).message << "'";
+  }
+
+  static double maskIou(const Image& message) {
+    const cv::Mat mask = matOf(message, CV_8UC1);
+    if (mask.size() != cv::Size(VisionWorld::kWidth, VisionWorld::kHeight)) return 0.0;
+    cv::Mat truth = cv::Mat::zeros(VisionWorld::kGridHeight, VisionWorld::kGridWidth, CV_8UC1);
+    truth(VisionWorld::patch()).setTo(255);
+    cv::resize(truth, truth, mask.size(), 0.0, 0.0, cv::INTER_NEAREST);
+    return static_cast<double>(cv::countNonZero(mask & truth)) / cv::countNonZero(mask | truth);
+  }
+  /// Largest residual outside of the patch, px of the grid.
+  static double largestStaticResidual(const Image& message) {
+    cv::Mat residual = matOf(message, CV_32FC1);
+    residual(VisionWorld::patch()).setTo(0.0F);
+    double largest = 0.0;
+    cv::minMaxLoc(residual, nullptr, &largest);
+    return largest;
+  }
+  /// Checks the latest mask and residual of the given direction.
+  void expectExact(bool backward) {
+    world_.setBackward(backward);
+    ASSERT_TRUE(masksComeAnew());
+    ASSERT_TRUE(masksComeAnew());  // none of the other direction is under way any more
+    EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
+    // Signs, lever arm and yaw: a wrong one would leave pixels of residual.
+    EXPECT_LT(largestStaticResidual(*residuals_.messages().back()), 0.02);
+  }
+
+  ros::NodeHandle handle_;
+  Recorder<Image> masks_{handle_, "dynamic/mask"};
+  Recorder<Image> valids_{handle_, "dynamic/valid"};
+  Recorder<Image> residuals_{handle_, "dynamic/residual"};
+  Recorder<Image> unaided_{handle_, "unaided/mask"};
+  Diagnostics diagnostics_{handle_};
+  LiveWorld world_{handle_};
+};
+
+TEST_F(SegmentationFaults, MaskAtThePreviousImageIsExact) { expectExact(false); }
+
+TEST_F(SegmentationFaults, MaskAtTheCurrentImageIsExact) { expectExact(true); }
+
+TEST_F(SegmentationFaults, StampAndSizeAreThoseOfTheFirstImage) {
+  Recorder<Flow> flows(handle_, "flow");
+  ASSERT_TRUE(masksComeAnew());
+  ASSERT_TRUE(masksComeAnew());
+  const Image mask = *masks_.messages().back();
+  EXPECT_EQ(mask.encoding, "mono8");
+  EXPECT_EQ(mask.header.frame_id, VisionWorld::kCameraFrame);
+  bool found = false;
+  for (const auto& flow : flows.messages()) found = found || flow->header.stamp == mask.header.stamp;
+  EXPECT_TRUE(found);
+}
+
+TEST_F(SegmentationFaults, WrongFlowIsRefused) {
+  expectReported([](Frame& frame) { frame.flow.flow.encoding = "32FC1"; }, kVerdict, "32FC1");
+  expectReported([](Frame& frame) { frame.flow.image_width = 640; }, kVerdict, "camera_info");
+  expectReported([](Frame& frame) { frame.flow.flow.data.resize(100); }, kVerdict, "flow");
+  expectReported([](Frame& frame) { frame.flow.second_stamp = frame.flow.header.stamp; },
+                 "segmentation: input flow", "second_stamp");
+  expectReported([](Frame& frame) { frame.flow.header.frame_id = "nowhere"; }, kVerdict, "nowhere");
+  expectReported([](Frame& frame) { frame.flow.header.frame_id.clear(); }, "segmentation: input flow",
+                 "frame_id");
+  expectReported([](Frame& frame) { frame.flow.header.stamp = ros::Time(); }, "segmentation: input flow",
+                 "stamp");
+}
+
+TEST_F(SegmentationFaults, WrongDepthIsRefused) {
+  expectReported([](Frame& frame) { frame.depth.encoding = "rgb8"; }, kVerdict, "rgb8");
+  expectReported(
+      [](Frame& frame) {
+        frame.depth = imageOf(frame.depth.header.stamp, "32FC1", cv::Mat::ones(90, 90, CV_32FC1));
+      },
+      kVerdict, "shape");
+}
+
+TEST_F(SegmentationFaults, WrongCameraIsRefused) {
+  expectReported([](Frame& frame) { frame.camera.P[0] = frame.camera.K[0] = 0.0; }, kVerdict, "camera_info");
+}
+
+TEST_F(SegmentationFaults, UnknownDepthGivesAnEmptyMask) {
+  for (const float value :
+       {0.0F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    const auto fault = [value](Frame& frame) {
+      frame.depth =
+          imageOf(frame.depth.header.stamp, "32FC1",
+                  cv::Mat(VisionWorld::kGridHeight, VisionWorld::kGridWidth, CV_32FC1, cv::Scalar(value)));
+    };
+    world_.set(fault);
+    EXPECT_TRUE(waitUntil(
+        [&] {
+          return valids_.count() > 0 && cv::countNonZero(matOf(*valids_.messages().back(), CV_8UC1)) == 0;
+        },
+        kPatience));
+    EXPECT_EQ(cv::countNonZero(matOf(*masks_.messages().back(), CV_8UC1)), 0);
+    expectReported(fault, kVerdict, "no pixel has both depth and flow", DiagnosticStatus::WARN);
+  }
+}
+
+TEST_F(SegmentationFaults, SilentInputsAreNamed) {
+  expectReported([](Frame& frame) { frame.send_depth = false; }, kVerdict, "/depth");
+  expectReported([](Frame& frame) { frame.send_depth = false; }, "segmentation: input depth", "silent");
+  expectReported([](Frame& frame) { frame.send_twist = false; }, kVerdict, "/ego/twist");
+}
+
+TEST_F(SegmentationFaults, WrongTwistIsRefused) {
+  expectReported([](Frame& frame) { frame.twist.header.frame_id = "radar"; }, "segmentation: input ego/twist",
+                 "base_link");
+  expectReported(
+      [](Frame& frame) { frame.twist.twist.twist.linear.x = std::numeric_limits<double>::quiet_NaN(); },
+      "segmentation: input ego/twist", "finite");
+}
+
+TEST_F(SegmentationFaults, TimeMayGoBack) {
+  world_.shiftTime(-100.0);
+  ASSERT_TRUE(masksComeAnew());
+  ASSERT_TRUE(waitUntil(
+      [&] { return ros::Time::now().toSec() - masks_.messages().back()->header.stamp.toSec() > 50.0; },
+      kPatience));
+  EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
+  world_.shiftTime(0.0);
+  EXPECT_TRUE(masksComeAnew());
+}
+
+TEST_F(SegmentationFaults, WithoutItsRotationTheTwistHasToDo) {
+  ASSERT_TRUE(waitUntil([&] { return unaided_.count() >= 3; }, kPatience));
+  EXPECT_GT(maskIou(*unaided_.messages().back()), 0.9);
+  EXPECT_TRUE(waitUntil(
+      [&] {
+        const Diagnostics::Status status = diagnostics_.latest("unaided: segmentation");
+        return status.level >= DiagnosticStatus::WARN && status.message.find("rotation") != std::string::npos;
+      },
+      kPatience))
+      << diagnostics_.latest("unaided: segmentation").message;
+}
+
+TEST_F(SegmentationFaults, BadParametersAreReplacedAndReconfigured) {
+  // k was not a number at start: the default is in use, and the diagnostic says so.
+  EXPECT_TRUE(waitUntil(
+      [&] {
+        const Diagnostics::Status status = diagnostics_.latest("unaided: segmentation");
+        return status.level == DiagnosticStatus::ERROR &&
+               status.message.find("k is not finite") != std::string::npos;
+      },
+      kPatience))
+      << diagnostics_.latest("unaided: segmentation").message;
+  dynamic_reconfigure::Reconfigure call;
+  dynamic_reconfigure::DoubleParameter k;
+  k.name = "k";
+  k.value = 6.0;
+  call.request.config.doubles.push_back(k);
+  ASSERT_TRUE(ros::service::call("segmentation/set_parameters", call));
+  for (const auto& value : call.response.config.doubles) {
+    if (value.name == "k") {
+      EXPECT_EQ(value.value, 6.0);
+    }
+  }
+  EXPECT_TRUE(masksComeAnew());
+}
+
+}  // namespace
+}  // namespace radar_dot::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "segmentation_faults_test");
+  const ros::NodeHandle keeper;
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  return RUN_ALL_TESTS();
+}
