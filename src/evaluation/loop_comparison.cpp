@@ -11,8 +11,6 @@
 namespace radar_dot::evaluation {
 namespace {
 
-constexpr double kDefaultGain = 1.0;  // of radar_to_mask, where the options have none
-
 bool isRadarToMask(const SegmentationEvaluationOptions& options) { return options.motion.radar_gain != 0.0; }
 
 const char* nameOf(const LoopResult& result) {
@@ -50,7 +48,7 @@ void add(std::vector<LoopResult>& sums, const LoopResult& result) {
 
 std::vector<SegmentationEvaluationOptions> loopVariants(const SegmentationEvaluationOptions& options) {
   std::vector<SegmentationEvaluationOptions> variants;
-  const double gain = isRadarToMask(options) ? options.motion.radar_gain : kDefaultGain;
+  const double gain = isRadarToMask(options) ? options.motion.radar_gain : MotionParams{}.radar_gain;
   for (const bool radar_to_mask : {false, true}) {
     for (const bool mask_to_velocity : {false, true}) {
       SegmentationEvaluationOptions variant = options;

@@ -103,10 +103,10 @@ void declareLoop(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--radar-radius", options.motion.radar_radius, "m, around a dynamic return")
       ->capture_default_str();
-  app.add_flag(
-      "--compare-loop", arguments.compare_loop,
-      "Run with neither of --mask-to-velocity and --radar-gain (1 where it is 0), with each and with "
-      "both, and compare them in a table, and in --json");
+  app.add_flag("--compare-loop", arguments.compare_loop,
+               "Run with neither of --mask-to-velocity and --radar-gain (its default where it is 0), with "
+               "each and with "
+               "both, and compare them in a table, and in --json");
 }
 
 void declareOutputs(CLI::App& app, Arguments& arguments) {

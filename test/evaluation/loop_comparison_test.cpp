@@ -35,11 +35,12 @@ TEST(LoopComparison, VariantsAreTheFourCombinations) {
   SegmentationEvaluationOptions options;
   options.mask_directory = "masks";
   options.channel = "CAM_BACK";
+  options.motion.radar_gain = 0.0;  // the variants with it take the default
   const std::vector<SegmentationEvaluationOptions> variants = loopVariants(options);
   ASSERT_EQ(variants.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(variants[i].mask_to_velocity, i % 2 == 1);
-    EXPECT_EQ(variants[i].motion.radar_gain, i >= 2 ? 1.0 : 0.0);
+    EXPECT_EQ(variants[i].motion.radar_gain, i >= 2 ? MotionParams{}.radar_gain : 0.0);
     EXPECT_EQ(variants[i].channel, "CAM_BACK");
     EXPECT_EQ(variants[i].mask_directory, i == 0 ? "masks" : "");
   }

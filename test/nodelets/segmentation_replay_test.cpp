@@ -131,6 +131,11 @@ TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
             << " pairs; latency from the stamp of the later image: median "
             << 1e3 * percentile(latencies, 0.5) << " ms, 95 % " << 1e3 * percentile(latencies, 0.95)
             << " ms\n";
+  // Into the test's result file, where scripts/test finds it.
+  RecordProperty("masks", static_cast<int>(masks.count()));
+  RecordProperty("pairs", static_cast<int>(pairs));
+  RecordProperty("latency_median_ms", static_cast<int>(1e3 * percentile(latencies, 0.5)));
+  RecordProperty("latency_95_percent_ms", static_cast<int>(1e3 * percentile(latencies, 0.95)));
   const auto half = static_cast<std::ptrdiff_t>(latencies.size() / 2);
   const double early = percentile({latencies.begin(), latencies.begin() + half}, 0.5);
   const double late = percentile({latencies.begin() + half, latencies.end()}, 0.5);
@@ -139,6 +144,7 @@ TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
   std::size_t compared = 0;
   const double iou = overallIou(masks.messages(), truths.messages(), compared);
   std::cout << "IoU over " << compared << " annotated images: " << iou << '\n';
+  RecordProperty("iou_percent", static_cast<int>(100.0 * iou));
   EXPECT_GE(compared, truths.count() / 2);
   EXPECT_GT(iou, 0.25);
   EXPECT_GT(odometry.count(), 30U);

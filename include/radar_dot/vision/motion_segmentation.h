@@ -35,8 +35,9 @@ struct MotionParams {
   /// With flow that knows itself what it cannot see (forward_backward, or exact), leave it off: a car that
   /// drives along stays in view where a standing one would have left it.
   bool predicted_in_view = true;
-  /// Factor on the score within the footprint of dynamic radar returns is 1 + this; 0 = off.
-  double radar_gain = 0.0;
+  /// Factor on the score within the footprint of dynamic radar returns is 1 + this; 0 = off. At 2 a third of the
+  /// evidence is enough where the radar has seen something move; more finds more movers, and spills around them.
+  double radar_gain = 2.0;
   double radar_radius = 1.0;  ///< m, of the footprint of a dynamic return
 };
 /// @throws std::invalid_argument naming the parameter that makes no sense.
