@@ -3,16 +3,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Listens to a replay and prints, when it ends, what the nodelets published and how far it is from /ground_truth/odom.
 
-Subscribes: ego/twist, ego/status, odom, ground_truth/odom. Speeds in m/s, distances in m.
+Subscribes: ego/twist, ego/status, odom, ground_truth/odom; with ~masks also dynamic/mask and
+ground_truth/dynamic_mask/compressed. Speeds in m/s, distances in m.
 """
 import bisect
+import io
 import math
 import threading
 
+import numpy as np
 import rospy
+from PIL import Image as Picture
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from radar_dot.msg import EgoStatus
+from sensor_msgs.msg import CompressedImage, Image
 
 
 class Track:
@@ -35,8 +40,51 @@ class Track:
         return [(1 - share) * a + share * b for a, b in zip(self.values[i - 1], self.values[i])]
 
 
-class Summary:
+class Masks:
+    """Dynamic masks beside the annotated ones."""
+
+    KEPT = 40  # annotations that wait for their mask
+
     def __init__(self):
+        self.lock = threading.Lock()
+        self.truths, self.latencies = {}, []
+        self.both = self.either = self.compared = 0
+        self.subscribers = [
+            rospy.Subscriber("dynamic/mask", Image, self.on_mask, queue_size=20, buff_size=1 << 26),
+            rospy.Subscriber("ground_truth/dynamic_mask/compressed", CompressedImage, self.on_truth, queue_size=50),
+        ]
+
+    def on_truth(self, message):
+        truth = np.array(Picture.open(io.BytesIO(message.data))) > 0
+        with self.lock:
+            self.truths[message.header.stamp.to_nsec()] = truth
+            while len(self.truths) > self.KEPT:
+                del self.truths[min(self.truths)]
+
+    def on_mask(self, message):
+        latency = (rospy.Time.now() - message.header.stamp).to_sec()
+        with self.lock:
+            self.latencies.append(latency)
+            truth = self.truths.pop(message.header.stamp.to_nsec(), None)
+            if truth is None or truth.shape != (message.height, message.width):
+                return
+            mask = np.frombuffer(message.data, np.uint8).reshape(truth.shape) > 0
+            self.both += np.count_nonzero(mask & truth)
+            self.either += np.count_nonzero(mask | truth)
+            self.compared += 1
+
+    def lines(self):
+        with self.lock:
+            yield f"masks published       {len(self.latencies)}"
+            if self.latencies:
+                yield f"mask age (median)     {1e3 * sorted(self.latencies)[len(self.latencies) // 2]:.0f} ms after its image"
+            if self.compared and self.either:
+                yield f"mask IoU              {self.both / self.either:.3f} over {self.compared} annotated images"
+
+
+class Summary:
+    def __init__(self, masks=None):
+        self.masks = masks
         self.lock = threading.Lock()
         self.truth, self.twists, self.poses = Track(), [], []
         self.sweeps, self.refused, self.inliers, self.returns, self.computation = 0, {}, 0, 0, []
@@ -90,6 +138,8 @@ class Summary:
             pose, true = ends[-1]
             error = math.hypot(pose[1] - true[0], pose[2] - true[1])
             yield f"odometry end error    {error:.2f} m after {distance:.0f} m"
+        if self.masks:
+            yield from self.masks.lines()
 
     def report(self):
         with self.lock:
@@ -98,7 +148,7 @@ class Summary:
 
 def main():
     rospy.init_node("replay_summary")
-    summary = Summary()
+    summary = Summary(Masks() if rospy.get_param("~masks", False) else None)
     rospy.on_shutdown(summary.report)
     rospy.spin()
 

@@ -124,7 +124,11 @@ std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, doubl
     if (count++ > 0) continue;
     for (std::size_t scan = 0; scan < scans.size(); ++scan) {
       for (std::size_t k = 0; k < scans[scan].returns->size(); ++k) {
-        if (result.labels[result.offsets[scan] + k] != ReturnLabel::kDynamic) continue;
+        const std::size_t index = result.offsets[scan] + k;
+        // Returns that only a mask called dynamic must not confirm that mask.
+        const bool own_motion = std::abs(static_cast<double>(result.residuals[index])) >=
+                                options_.estimator.segmentation.supported_threshold;
+        if (result.labels[index] != ReturnLabel::kDynamic || !own_motion) continue;
         mean.dynamic_points.push_back(positionOf((*scans[scan].returns)[k], scans[scan].T_base_from_sensor));
       }
     }

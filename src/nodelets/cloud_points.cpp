@@ -11,7 +11,9 @@
 namespace radar_dot {
 namespace {
 
-constexpr double kTwistHold = 0.3;        // s
+constexpr double kTwistHold = 0.3;  // s
+// Scans of each sensor that are kept: pictures and masks may lag behind the radars by most of a second.
+constexpr std::size_t kKept = 12;
 constexpr std::size_t kMaxSensors = 100;  // more are frame names that vary from message to message
 
 /// The field `name` where it can be read; null where there is none.
@@ -62,14 +64,30 @@ std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
 void RecentClouds::add(const std::string& topic, const sensor_msgs::PointCloud2& cloud) {
   Scan scan{cloud.header.stamp, pointsOf(cloud)};
   if (scans_.size() > kMaxSensors) scans_.clear();
-  scans_[{cloud.header.frame_id, topic}] = std::move(scan);
+  std::deque<Scan>& scans = scans_[{cloud.header.frame_id, topic}];
+  scans.push_back(std::move(scan));
+  if (scans.size() > kKept) scans.pop_front();
+}
+
+const RecentClouds::Scan* RecentClouds::nearest(const std::deque<Scan>& scans, const ros::Time& time,
+                                                double max_age) {
+  const Scan* nearest = nullptr;
+  double least = max_age;
+  for (const Scan& scan : scans) {
+    const double age = std::abs(time.toSec() - scan.stamp.toSec());
+    if (age > least) continue;
+    least = age;
+    nearest = &scan;
+  }
+  return nearest;
 }
 
 std::vector<CloudPoint> RecentClouds::at(const ros::Time& time, double max_age) {
   std::vector<CloudPoint> points;
   used_ = 0;
-  for (const auto& [key, scan] : scans_) {
-    if (std::abs(time.toSec() - scan.stamp.toSec()) > max_age) continue;
+  for (const auto& [key, scans] : scans_) {
+    const Scan* scan = nearest(scans, time, max_age);
+    if (scan == nullptr) continue;
     std::string missing;
     const std::optional<Eigen::Isometry3d> T_base_from_sensor = extrinsics_.lookup(key.first, missing);
     if (!T_base_from_sensor) {
@@ -77,10 +95,10 @@ std::vector<CloudPoint> RecentClouds::at(const ros::Time& time, double max_age) 
       continue;
     }
     const std::optional<Eigen::Isometry3d> T_now_from_scan =
-        motion_.between(time, scan.stamp, kTwistHold, false, missing);
+        motion_.between(time, scan->stamp, kTwistHold, false).T_begin_from_end;
     const Eigen::Isometry3f T =
         (T_now_from_scan ? *T_now_from_scan * *T_base_from_sensor : *T_base_from_sensor).cast<float>();
-    for (const CloudPoint& point : scan.points) points.push_back({T * point.position, point.residual});
+    for (const CloudPoint& point : scan->points) points.push_back({T * point.position, point.residual});
     ++used_;
   }
   return points;

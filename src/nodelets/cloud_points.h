@@ -5,7 +5,9 @@
 #include <sensor_msgs/PointCloud2.h>
 
 #include <Eigen/Core>
+#include <deque>
 #include <functional>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -19,14 +21,15 @@ namespace radar_dot {
 /// A point of a cloud.
 struct CloudPoint {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< m
-  float residual = 0.0F;  ///< field `residual` of radar/static and radar/dynamic, m/s; 0 where there is none
+  /// m/s, field `residual` of radar/static and radar/dynamic; NaN where there is none.
+  float residual = std::numeric_limits<float>::quiet_NaN();
 };
 
 /// The finite points of a cloud, in its own frame. @throws std::invalid_argument for sizes that contradict
 /// each other, or a cloud without x, y and z.
 std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud);
 
-/// The latest clouds of any number of sensors, one of each sensor and topic, as points of the base frame.
+/// The latest clouds of any number of sensors, as points of the base frame.
 class RecentClouds {
  public:
   /// @param warn  for sensors whose mount TF does not know
@@ -37,8 +40,9 @@ class RecentClouds {
   void add(const std::string& topic, const sensor_msgs::PointCloud2& cloud);
   void clear() { scans_.clear(); }
 
-  /// Base frame at `time`, of the scans within `max_age` s of it. Static points are where they were seen;
-  /// the vehicle's motion since is taken from ego/twist, or as none where that is not known.
+  /// Base frame at `time`, of the scan of each sensor and topic that is nearest to it, within `max_age` s.
+  /// Static points are where they were seen; the vehicle's motion since is taken from ego/twist, or as none
+  /// where that is not known.
   std::vector<CloudPoint> at(const ros::Time& time, double max_age);
   /// The same without residuals, m.
   std::vector<Eigen::Vector3f> positionsAt(const ros::Time& time, double max_age);
@@ -53,7 +57,10 @@ class RecentClouds {
   Extrinsics& extrinsics_;
   EgoMotion& motion_;
   std::function<void(const std::string&)> warn_;
-  std::map<std::pair<std::string, std::string>, Scan> scans_;  // by frame and topic
+  /// The scan nearest to `time`, or null.
+  static const Scan* nearest(const std::deque<Scan>& scans, const ros::Time& time, double max_age);
+
+  std::map<std::pair<std::string, std::string>, std::deque<Scan>> scans_;  // by frame and topic
   std::size_t used_ = 0;
 };
 

@@ -13,13 +13,17 @@ class DecodeImageNodelet : public StreamNodelet {
   void onInit() override {
     setUp("decoder");
     publisher_ = getNodeHandle().advertise<sensor_msgs::Image>("image", 2);
-    subscriber_ = listen<sensor_msgs::CompressedImage>(
-        addInput("image"), "image/compressed", 1,
-        [this](const sensor_msgs::CompressedImageConstPtr& image) { decode(*image); });
+    input_ = &addInput("image");
+    connectWhile([this] { return publisher_.getNumSubscribers() > 0; },
+                 [this] {
+                   subscriber_ = listen<sensor_msgs::CompressedImage>(
+                       *input_, "image/compressed", 1,
+                       [this](const sensor_msgs::CompressedImageConstPtr& image) { decode(*image); });
+                 },
+                 [this] { stop(*input_, subscriber_); });
   }
 
   void decode(const sensor_msgs::CompressedImage& message) {
-    if (publisher_.getNumSubscribers() == 0) return;
     constexpr int kColour = 3;
     const Picture picture = pictureOf(message, kColour);
     publisher_.publish(imageMessage(message.header, "bgr8", picture.pixels));
@@ -28,13 +32,13 @@ class DecodeImageNodelet : public StreamNodelet {
 
   void forgetThePast() override {}
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override {
-    status.summary(diagnostic_msgs::DiagnosticStatus::OK,
-                   publisher_.getNumSubscribers() == 0 ? "nobody wants images" : "decoding");
+    status.summary(diagnostic_msgs::DiagnosticStatus::OK, connected() ? "decoding" : "nobody wants images");
     status.addf("images decoded", "%zu", decoded_);
   }
 
   ros::Publisher publisher_;
   ros::Subscriber subscriber_;
+  InputMonitor* input_ = nullptr;
   std::size_t decoded_ = 0;
 };
 

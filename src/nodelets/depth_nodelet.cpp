@@ -72,23 +72,35 @@ void DepthNodelet::onInit() {
   private_handle.param("radar_topics", radar_topics_, radar_topics_);
   for (const std::string& topic : radar_topics_) radar_inputs_.push_back(&addInput(topic, false));
   publisher_ = handle.advertise<sensor_msgs::Image>("depth", 3);
+  connectWhile([this] { return publisher_.getNumSubscribers() > 0; }, [this] { connectInputs(); },
+               [this] { disconnectInputs(); });
   server_ = serve<DepthConfig>(check, [this](const DepthConfig& config) { configure(config); });
 }
 
 void DepthNodelet::configure(const DepthConfig& config) {
   config_ = config;
   estimator_ = config.backend == kTopicBackend ? nullptr : makeDepthEstimator(depthParams(config));
-  if (configured_backend_ != config.backend) connectInputs();
-  configured_backend_ = config.backend;
+  if (connected() && connected_backend_ != config.backend) {
+    disconnectInputs();
+    connectInputs();
+  }
 }
 
-void DepthNodelet::connectInputs() {
+void DepthNodelet::disconnectInputs() {
   subscribers_.clear();
   image_subscriber_ = {};
   std::vector<InputMonitor*> inputs = {image_, camera_input_, depth_input_, lidar_input_, twist_input_};
   inputs.insert(inputs.end(), radar_inputs_.begin(), radar_inputs_.end());
-  for (InputMonitor* input : inputs) input->setTopic({});
+  for (InputMonitor* input : inputs) {
+    input->setTopic({});
+    input->reset();
+  }
+  camera_.reset();
   forgetThePast();
+}
+
+void DepthNodelet::connectInputs() {
+  connected_backend_ = config_.backend;
   if (!estimator_) {
     subscribers_.push_back(
         listen<sensor_msgs::Image>(*depth_input_, "depth/input", 2,
@@ -102,8 +114,8 @@ void DepthNodelet::connectInputs() {
     transport_error_ = error.what();
     NODELET_FATAL("%s: %s", getName().c_str(), error.what());
   }
-  subscribers_.push_back(listen<sensor_msgs::CameraInfo>(
-      *camera_input_, "camera_info", 3,
+  subscribers_.push_back(listenToLasting<sensor_msgs::CameraInfo>(
+      *camera_input_, "camera_info",
       [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; }));
   subscribers_.push_back(listen<geometry_msgs::TwistWithCovarianceStamped>(
       *twist_input_, "ego/twist", 10,
@@ -126,7 +138,6 @@ void DepthNodelet::forgetThePast() {
 }
 
 void DepthNodelet::onImage(LazyPicture picture) {
-  if (publisher_.getNumSubscribers() == 0) return;
   const ros::WallTime start = ros::WallTime::now();
   const std_msgs::Header header = picture.header();
   if (!camera_) throw std::invalid_argument("nothing on '" + camera_input_->topic() + "' yet");
@@ -160,7 +171,6 @@ void DepthNodelet::onImage(LazyPicture picture) {
 }
 
 void DepthNodelet::onDepth(const sensor_msgs::ImageConstPtr& message) {
-  if (publisher_.getNumSubscribers() == 0) return;
   const ros::WallTime start = ros::WallTime::now();
   const cv::Mat given = radar_dot::depthOf(*message);
   const cv::Size grid = workingGrid(given.size(), config_.working_width);
@@ -182,7 +192,7 @@ void DepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   if (!transport_error_.empty()) {
     status.summary(DiagnosticStatus::ERROR, transport_error_);
-  } else if (publisher_.getNumSubscribers() == 0) {
+  } else if (!connected()) {
     status.summary(DiagnosticStatus::OK, "nobody wants depth");
   } else if (computed_ > 0 && known_share_ == 0.0) {
     status.summary(DiagnosticStatus::WARN, "no pixel of the latest depth is known");

@@ -23,6 +23,7 @@ class DepthNodelet : public ImageSubscriber {
   void onInit() override;
   void configure(const DepthConfig& config);
   void connectInputs();
+  void disconnectInputs();
   void forgetThePast() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
@@ -31,7 +32,7 @@ class DepthNodelet : public ImageSubscriber {
   void publish(const std_msgs::Header& header, const cv::Mat& depth);
 
   DepthConfig config_ = DepthConfig::__getDefault__();
-  std::string configured_backend_;  // whose inputs are subscribed
+  std::string connected_backend_;  // whose inputs are subscribed
   std::string transport_error_;
   std::unique_ptr<DepthEstimator> estimator_;  // none: the backend "topic"
 

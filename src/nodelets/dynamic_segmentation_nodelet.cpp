@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "parameters.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "vision_parameters.h"
 
@@ -50,8 +51,9 @@ void DynamicSegmentationNodelet::onInit() {
   extrinsics_ =
       std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
   motion_ = std::make_unique<EgoMotion>(
-      *extrinsics_, [this] { processWaiting(); },
-      [this](const std::string& text) { warn("rotation", text); });
+      *extrinsics_, [this] { processWaiting(); }, [this](const std::string& text) { warn("rotation", text); },
+      true);
+  silent_after_ = positiveParameter(private_handle, "silent_after", silent_after_);
   dynamic_returns_ = std::make_unique<RecentClouds>(
       *extrinsics_, *motion_, [this](const std::string& text) { warn("sensor", text); });
   setUpOutputs();
@@ -69,7 +71,7 @@ void DynamicSegmentationNodelet::onInit() {
     configuration_problem_ = std::string(error.what()) + "; using the yaw rate of the twists";
     NODELET_ERROR("%s: %s", getName().c_str(), configuration_problem_.c_str());
   }
-  setUpInputs();
+  connectWhile([this] { return wanted(); }, [this] { connect(); }, [this] { disconnect(); });
 }
 
 void DynamicSegmentationNodelet::setUpOutputs() {
@@ -82,7 +84,8 @@ void DynamicSegmentationNodelet::setUpOutputs() {
   residual_publisher_ = handle.advertise<sensor_msgs::Image>("dynamic/residual", 3);
 }
 
-void DynamicSegmentationNodelet::setUpInputs() {
+void DynamicSegmentationNodelet::connect() {
+  connected_since_ = ros::WallTime::now();
   flow_subscriber_ =
       listen<Flow>(*flow_input_, "flow", 3, [this](const FlowConstPtr& flow) { onFlow(flow); });
   depth_subscriber_ =
@@ -90,29 +93,44 @@ void DynamicSegmentationNodelet::setUpInputs() {
         depths_.add(depth);
         processWaiting();
       });
-  camera_subscriber_ = listen<sensor_msgs::CameraInfo>(
-      *camera_input_, "camera_info", 3,
+  camera_subscriber_ = listenToLasting<sensor_msgs::CameraInfo>(
+      *camera_input_, "camera_info",
       [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; });
   twist_subscriber_ = listen<geometry_msgs::TwistWithCovarianceStamped>(
       *twist_input_, "ego/twist", 20,
       [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion_->add(*twist); });
   waiting_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kWaitingPeriod),
                                                    [this](const ros::WallTimerEvent&) { processWaiting(); });
+  followRadarGain();
+}
+
+void DynamicSegmentationNodelet::disconnect() {
+  waiting_timer_.stop();
+  stop(*flow_input_, flow_subscriber_);
+  stop(*depth_input_, depth_subscriber_);
+  stop(*camera_input_, camera_subscriber_);
+  stop(*twist_input_, twist_subscriber_);
+  followRadarGain();
+  camera_.reset();
+  forgetThePast();
 }
 
 void DynamicSegmentationNodelet::configure(const DynamicSegmentationConfig& config) {
   segmenter_ = MotionSegmenter(motionParams(config));
   config_ = config;
+  followRadarGain();
+}
+
+void DynamicSegmentationNodelet::followRadarGain() {
   const bool listening = static_cast<bool>(radar_subscriber_);
-  if (config.radar_gain > 0.0 && !listening) {
+  const bool wanted = connected() && config_.radar_gain > 0.0;
+  if (wanted && !listening) {
     radar_subscriber_ = listenUnordered<sensor_msgs::PointCloud2>(
         *radar_input_, "radar/dynamic", kCloudQueue, [this](const sensor_msgs::PointCloud2ConstPtr& cloud) {
           dynamic_returns_->add(radar_input_->topic(), *cloud);
         });
-  } else if (config.radar_gain == 0.0 && listening) {
-    radar_subscriber_.shutdown();
-    radar_subscriber_ = {};
-    radar_input_->setTopic({});
+  } else if (!wanted && listening) {
+    stop(*radar_input_, radar_subscriber_);
   }
 }
 
@@ -141,63 +159,79 @@ void DynamicSegmentationNodelet::onFlow(const FlowConstPtr& flow) {
   if (flow->second_stamp.isZero() || flow->second_stamp == flow->header.stamp) {
     throw std::invalid_argument("second_stamp: it must be given, and differ from the stamp of the header");
   }
-  if (!wanted()) return;
-  waiting_.push_back({flow, ros::WallTime::now()});
+  waiting_.push_back({flow, ros::WallTime::now(), {}, {}});
   processWaiting();
 }
 
 void DynamicSegmentationNodelet::processWaiting() {
   while (!waiting_.empty()) {
-    const WaitingFlow front = waiting_.front();
+    WaitingFlow& front = waiting_.front();
+    Inputs inputs;
+    std::string missing;
+    Gathered gathered = Gathered::kNever;
     try {
-      Inputs inputs;
-      std::string missing;
-      if (!gather(front, inputs, missing)) {
-        const bool patient = (ros::WallTime::now() - front.arrival).toSec() < config_.input_timeout;
-        if (patient && waiting_.size() <= kMaxWaiting) return;
-        waiting_.pop_front();
-        drop(missing);
-        continue;
-      }
+      gathered = gather(front, inputs, missing);
+      const bool patient = (ros::WallTime::now() - front.arrival).toSec() < config_.input_timeout;
+      if (gathered == Gathered::kMayCome && patient && waiting_.size() <= kMaxWaiting) return;
       waiting_.pop_front();
-      segment(inputs);
+      if (gathered == Gathered::kAll) {
+        segment(inputs);
+      } else {
+        drop(missing);
+      }
     } catch (const std::exception& error) {
       // A flow that does not fit must not block those behind it.
-      if (!waiting_.empty() && waiting_.front().message == front.message) waiting_.pop_front();
+      if (!waiting_.empty() && waiting_.front().message == inputs.flow) waiting_.pop_front();
       drop(error.what());
     }
   }
 }
 
-bool DynamicSegmentationNodelet::gather(const WaitingFlow& waiting, Inputs& inputs, std::string& missing) {
-  inputs.flow = waiting.message;
-  const ros::Time first = inputs.flow->header.stamp;
-  const ros::Time second = inputs.flow->second_stamp;
-  const auto lacks = [&missing](const InputMonitor& input, const std::string& what) {
-    missing = "nothing on '" + input.topic() + "' " + what;
-    return false;
-  };
-  inputs.depth = depths_.find(first);
-  if (!inputs.depth) return lacks(*depth_input_, "with the stamp of the flow's first image");
-  if (config_.lambda > 0.0) {
-    inputs.next_depth = depths_.find(second);
-    if (!inputs.next_depth) return lacks(*depth_input_, "with the stamp of the flow's second image");
+DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gatherDepths(WaitingFlow& waiting,
+                                                                              std::string& missing) {
+  const ros::Time first = waiting.message->header.stamp;
+  const ros::Time second = waiting.message->second_stamp;
+  if (!waiting.depth) waiting.depth = depths_.find(first);
+  if (!waiting.depth) {
+    missing = "nothing on '" + depth_input_->topic() + "' with the stamp of the flow's first image";
+    return depths_.isPast(first) ? Gathered::kNever : Gathered::kMayCome;
   }
-  if (!camera_) return lacks(*camera_input_, "yet");
+  if (config_.lambda == 0.0) return Gathered::kAll;
+  if (!waiting.next_depth) waiting.next_depth = depths_.find(second);
+  if (waiting.next_depth || depths_.isPast(second)) return Gathered::kAll;
+  missing = "nothing on '" + depth_input_->topic() + "' with the stamp of the flow's second image";
+  // The flow alone can tell as well.
+  const bool patient = (ros::WallTime::now() - waiting.arrival).toSec() < config_.input_timeout;
+  return patient && waiting_.size() <= kMaxWaiting ? Gathered::kMayCome : Gathered::kAll;
+}
+
+DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gather(WaitingFlow& waiting, Inputs& inputs,
+                                                                        std::string& missing) {
+  inputs.flow = waiting.message;
+  const Gathered depths = gatherDepths(waiting, missing);
+  if (depths != Gathered::kAll) return depths;
+  inputs.depth = waiting.depth;
+  inputs.next_depth = waiting.next_depth;
+  if (!camera_) {
+    missing = "nothing on '" + camera_input_->topic() + "' yet";
+    return Gathered::kMayCome;
+  }
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
       extrinsics_->lookup(inputs.flow->header.frame_id, missing);
-  if (!T_base_from_camera) return false;
+  if (!T_base_from_camera) return Gathered::kMayCome;
   const bool patient = (ros::WallTime::now() - waiting.arrival).toSec() < config_.rotation_timeout;
-  const std::optional<Eigen::Isometry3d> motion =
-      motion_->between(first, second, config_.max_twist_age, patient, missing);
-  if (!motion) {
-    missing = "no motion of the vehicle from '" + twist_input_->topic() + "': " + missing;
-    return false;
+  const EgoMotion::Answer motion =
+      motion_->between(inputs.flow->header.stamp, inputs.flow->second_stamp, config_.max_twist_age, patient);
+  if (!motion.T_begin_from_end) {
+    missing = "no motion of the vehicle from '" + twist_input_->topic() + "': " + motion.missing;
+    return Gathered::kMayCome;
   }
-  inputs.motion.T_current_from_previous = staticPointMotion(*T_base_from_camera, *motion);
+  inputs.without_rotation = motion.without_rotation;
+  inputs.motion.T_current_from_previous = staticPointMotion(*T_base_from_camera, *motion.T_begin_from_end);
   placeOnGrid(inputs);
-  if (config_.radar_gain > 0.0) inputs.motion.dynamic_points = dynamicPoints(first, *T_base_from_camera);
-  return true;
+  if (config_.radar_gain > 0.0)
+    inputs.motion.dynamic_points = dynamicPoints(inputs.flow->header.stamp, *T_base_from_camera);
+  return Gathered::kAll;
 }
 
 void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
@@ -233,9 +267,14 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
 
 std::vector<Eigen::Vector3f> DynamicSegmentationNodelet::dynamicPoints(
     const ros::Time& stamp, const Eigen::Isometry3d& T_base_from_camera) {
-  std::vector<Eigen::Vector3f> points = dynamic_returns_->positionsAt(stamp, config_.radar_max_age);
+  std::vector<Eigen::Vector3f> points;
   const Eigen::Isometry3f T_camera_from_base = T_base_from_camera.inverse().cast<float>();
-  for (Eigen::Vector3f& point : points) point = T_camera_from_base * point;
+  for (const CloudPoint& point : dynamic_returns_->at(stamp, config_.radar_max_age)) {
+    // Returns that only a mask called dynamic must not confirm that mask. Without the field: all of them.
+    const bool own_motion = std::isnan(point.residual) ||
+                            std::abs(point.residual) >= static_cast<float>(config_.radar_min_residual);
+    if (own_motion) points.emplace_back(T_camera_from_base * point.position);
+  }
   return points;
 }
 
@@ -259,6 +298,13 @@ void DynamicSegmentationNodelet::segment(const Inputs& inputs) {
   threshold_ = result.threshold;
   ++masks_;
   ++masks_since_report_;
+  last_mask_ = ros::WallTime::now();
+  if (config_.lambda > 0.0 && !inputs.next_depth) ++without_next_depth_since_report_;
+  if (inputs.without_rotation) {
+    ++without_rotation_since_report_;
+    warn("rotation", "no rotation at the stamps of the images from " + motion_->rotationText() +
+                         "; using the rates of the twists");
+  }
   if (result.valid_count == 0) {
     warn("valid", "the mask is empty: no pixel has both depth on '" + depth_input_->topic() +
                       "' and flow on '" + flow_input_->topic() + "'");
@@ -287,22 +333,27 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MotionResul
 
 void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  if (!wanted()) {
+  const ros::WallTime now = ros::WallTime::now();
+  const double without_mask = std::min((now - last_mask_).toSec(), (now - connected_since_).toSec());
+  if (!connected()) {
     status.summary(DiagnosticStatus::OK, "nobody wants masks");
   } else if (dropped_since_report_ > 0) {
     status.summaryf(masks_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
                     "%zu flows without a mask: %s", dropped_since_report_, drop_reason_.c_str());
-  } else if (masks_since_report_ == 0) {
-    status.summary(DiagnosticStatus::ERROR, "no masks");
-  } else if (valid_share_ == 0.0) {
+  } else if (without_mask > silent_after_) {
+    status.summaryf(DiagnosticStatus::ERROR, "no mask for %.1f s", without_mask);
+  } else if (masks_since_report_ > 0 && valid_share_ == 0.0) {
     status.summary(DiagnosticStatus::WARN, "no pixel has both depth and flow");
   } else {
     status.summaryf(DiagnosticStatus::OK, "%zu masks in the last second", masks_since_report_);
   }
-  const std::size_t without_rotation = motion_->takeWithoutRotation();
-  if (without_rotation > 0) {
-    status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without a rotation from %s", without_rotation,
-                         motion_->rotationText().c_str());
+  if (without_next_depth_since_report_ > 0) {
+    status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without the depth of the second image",
+                         without_next_depth_since_report_);
+  }
+  if (without_rotation_since_report_ > 0) {
+    status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without a rotation from %s",
+                         without_rotation_since_report_, motion_->rotationText().c_str());
   }
   if (!configuration_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_problem_);
   status.add("rotation", motion_->rotationText());
@@ -318,6 +369,7 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
   status.addf("flows dropped", "%zu", dropped_);
   status.add("last drop", drop_reason_);
   masks_since_report_ = dropped_since_report_ = 0;
+  without_rotation_since_report_ = without_next_depth_since_report_ = 0;
 }
 
 }  // namespace radar_dot

@@ -28,16 +28,20 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   struct WaitingFlow {
     FlowConstPtr message;
     ros::WallTime arrival;
+    sensor_msgs::ImageConstPtr depth, next_depth;  // as soon as they are there
   };
   /// Everything that goes with one flow; the messages own the pixels.
   struct Inputs {
     FlowConstPtr flow;
     sensor_msgs::ImageConstPtr depth, next_depth;
     MotionInput motion;
+    bool without_rotation = false;  // of the source; the twists' own instead
   };
 
   void onInit() override;
-  void setUpInputs();
+  void connect();
+  void disconnect();
+  void followRadarGain();
   void setUpOutputs();
   void configure(const DynamicSegmentationConfig& config);
   void forgetThePast() override;
@@ -45,8 +49,11 @@ class DynamicSegmentationNodelet : public StreamNodelet {
 
   void onFlow(const FlowConstPtr& flow);
   void processWaiting();
-  /// @return false while something is missing (named in `missing`) that may still come
-  bool gather(const WaitingFlow& waiting, Inputs& inputs, std::string& missing);
+  enum class Gathered { kAll, kMayCome, kNever };
+  /// What goes with a flow; what is missing is named in `missing`.
+  Gathered gather(WaitingFlow& waiting, Inputs& inputs, std::string& missing);
+  /// The same for the two depths.
+  Gathered gatherDepths(WaitingFlow& waiting, std::string& missing);
   /// @throws std::invalid_argument where grids do not go together
   void placeOnGrid(Inputs& inputs) const;
   std::vector<Eigen::Vector3f> dynamicPoints(const ros::Time& stamp,
@@ -79,7 +86,11 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   // Of the latest mask.
   double computation_time_ = 0.0, latency_ = 0.0, valid_share_ = 0.0, mask_share_ = 0.0;
   double median_ = 0.0, mad_ = 0.0, threshold_ = 0.0;
-  std::size_t masks_ = 0, masks_since_report_ = 0, dropped_since_report_ = 0, dropped_ = 0;
+  std::size_t masks_ = 0, dropped_ = 0;
+  std::size_t masks_since_report_ = 0, dropped_since_report_ = 0, without_rotation_since_report_ = 0,
+              without_next_depth_since_report_ = 0;
+  ros::WallTime last_mask_, connected_since_;
+  double silent_after_ = 2.0;  // s
   std::string drop_reason_;
 };
 

@@ -10,7 +10,18 @@ namespace radar_dot {
 void EgoMotion::add(const geometry_msgs::TwistWithCovarianceStamped& twist) {
   const std::string defect = twistDefect(twist, extrinsics_.baseFrame());
   if (!defect.empty()) throw std::invalid_argument(defect);
-  twists_.add(velocityOf(twist));
+  const auto unobserved = [&twist](std::size_t axis) {
+    constexpr std::size_t kAxes = 6;
+    return twist.twist.covariance[axis * kAxes + axis] >= kUnobservedVariance;
+  };
+  constexpr std::size_t kForward = 0, kYaw = 5;
+  unobserved_.clear();
+  if (unobserved(kForward)) unobserved_ = "vx";
+  if (needs_yaw_rate_ && !rotation_ && unobserved(kYaw)) {
+    unobserved_ += std::string(unobserved_.empty() ? "" : " and ") +
+                   "the yaw rate (choose another model, or a rotation_source)";
+  }
+  if (unobserved_.empty()) twists_.add(velocityOf(twist));
   changed_();
 }
 
@@ -24,35 +35,37 @@ void EgoMotion::setUpRotation(ros::NodeHandle& handle, ros::NodeHandle& private_
                                  private_handle, extrinsics_, std::move(callbacks));
 }
 
-std::optional<Eigen::Isometry3d> EgoMotion::between(const ros::Time& begin, const ros::Time& end,
-                                                    double max_hold, bool patient, std::string& missing) {
+EgoMotion::Answer EgoMotion::between(const ros::Time& begin, const ros::Time& end, double max_hold,
+                                     bool patient) {
+  Answer answer;
   std::optional<Eigen::Matrix3d> R_begin_from_end;
   if (rotation_) {
     const std::optional<PoseSample> at_begin = rotation_->at(begin);
     const std::optional<PoseSample> at_end = rotation_->at(end);
-    if (at_begin && at_end) {
+    answer.without_rotation = !at_begin || !at_end;
+    if (!answer.without_rotation) {
       R_begin_from_end = (at_begin->rotation.conjugate() * at_end->rotation).toRotationMatrix();
     } else if (patient) {
-      missing = "no rotation at the stamps of the images from " + rotation_->describe();
-      return std::nullopt;
-    } else {
-      ++without_rotation_;
-      warn_("no rotation at the stamps of the images from " + rotation_->describe() +
-            "; using the rates of the twists");
+      answer.missing = "no rotation at the stamps of the images from " + rotation_->describe();
+      return answer;
     }
   }
-  return twists_.motion(begin.toSec(), end.toSec(), max_hold, missing, R_begin_from_end);
+  answer.T_begin_from_end =
+      twists_.motion(begin.toSec(), end.toSec(), max_hold, answer.missing, R_begin_from_end);
+  if (!answer.T_begin_from_end && !unobserved_.empty()) {
+    answer.missing += "; the latest twists do not observe " + unobserved_;
+  }
+  return answer;
 }
 
 void EgoMotion::forget() {
   twists_.clear();
+  unobserved_.clear();
   if (rotation_) rotation_->reset();
 }
 
 std::string EgoMotion::rotationText() const {
   return rotation_ ? rotation_->describe() : "yaw rate of the twists";
 }
-
-std::size_t EgoMotion::takeWithoutRotation() { return std::exchange(without_rotation_, 0); }
 
 }  // namespace radar_dot

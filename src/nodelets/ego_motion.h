@@ -22,28 +22,35 @@ class EgoMotion {
  public:
   /// @param changed  called when a twist or a rotation arrived
   /// @param warn     for what is wrong with the source of rotation
+  /// @param needs_yaw_rate  without a source of rotation, twists that do not observe the yaw rate are left
+  /// out
   EgoMotion(Extrinsics& extrinsics, std::function<void()> changed,
-            std::function<void(const std::string&)> warn)
-      : extrinsics_(extrinsics), changed_(std::move(changed)), warn_(std::move(warn)) {}
+            std::function<void(const std::string&)> warn, bool needs_yaw_rate = false)
+      : extrinsics_(extrinsics),
+        changed_(std::move(changed)),
+        warn_(std::move(warn)),
+        needs_yaw_rate_(needs_yaw_rate) {}
 
-  /// A twist that has passed its input. @throws std::invalid_argument saying what is wrong with it.
+  /// A twist that has passed its input. One that does not observe vx is left out: its neighbours stand in.
+  /// @throws std::invalid_argument saying what is wrong with it.
   void add(const geometry_msgs::TwistWithCovarianceStamped& twist);
 
   /// Reads rotation_source and rotation_fixed_frame. @throws std::invalid_argument as makeRotationSource; the
   /// yaw rate of the twists is used then.
   void setUpRotation(ros::NodeHandle& handle, ros::NodeHandle& private_handle);
 
-  /// T_begin_from_end of the base frame; `end` may be the earlier one.
+  struct Answer {
+    std::optional<Eigen::Isometry3d> T_begin_from_end;  ///< of the base frame; none: see `missing`
+    std::string missing;
+    bool without_rotation = false;  ///< the twists' own rates stand in for the source of rotation
+  };
+  /// `end` may be the earlier one.
   /// @param max_hold  s that the latest twist is taken to hold
   /// @param patient   true: without a rotation at both times there is no answer yet; false: the twists' own
-  /// @return none, with the reason in `missing`
-  std::optional<Eigen::Isometry3d> between(const ros::Time& begin, const ros::Time& end, double max_hold,
-                                           bool patient, std::string& missing);
+  Answer between(const ros::Time& begin, const ros::Time& end, double max_hold, bool patient);
   void forget();
   /// "odometry on '/rotation/odom'", or "yaw rate of the radars".
   std::string rotationText() const;
-  /// Intervals since the last call that had to do without the source of rotation.
-  std::size_t takeWithoutRotation();
 
  private:
   Extrinsics& extrinsics_;
@@ -51,7 +58,8 @@ class EgoMotion {
   std::function<void(const std::string&)> warn_;
   TwistHistory twists_;
   std::unique_ptr<RotationSource> rotation_;  // none: the twists' own
-  std::size_t without_rotation_ = 0;
+  bool needs_yaw_rate_;
+  std::string unobserved_;  // what the latest twist that was left out does not observe
 };
 
 }  // namespace radar_dot

@@ -176,7 +176,7 @@ void EgoVelocityNodelet::setUpDiagnostics() {
   });
   diagnostics_->add("estimator", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
     estimator_monitor_->report(ros::Time::now(), status);
-    status.addf("returns in the mask", "%zu", mask_->takeMarkedCount());
+    mask_->report(status);
   });
   for (InputMonitor* monitor : {&mask_->maskMonitor(), &mask_->cameraMonitor()}) {
     diagnostics_->add("input " + monitor->name(),
@@ -333,7 +333,7 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
     return;
   }
   if (result.observed[0]) tracker_.add(sweep.time(), result.linear);
-  mask_->add({sweep.time(), result.linear, result.angular});
+  if (result.observed[0]) mask_->add({sweep.time(), result.linear, result.angular});
   twist_publisher_.publish(twistMessage(stamp, extrinsics_->baseFrame(), result));
   publishClouds(mounted, result);
 }

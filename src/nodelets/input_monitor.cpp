@@ -37,8 +37,17 @@ void InputMonitor::acceptUnordered(const std_msgs::Header& header, const ros::Ti
   latest_is_good_ = true;
 }
 
+void InputMonitor::acceptLasting(const ros::Time& now) {
+  stream_.tick(now, now);
+  ++good_;
+  latest_is_good_ = lasts_ = true;
+}
+
 void InputMonitor::refuse(const std::string& cause) {
-  if (latest_is_good_ && good_ > 0) --good_;  // its header was in order, the rest was not
+  if (latest_is_good_ && good_ > 0) {
+    --good_;  // its header was in order, the rest was not
+    lasts_ = false;
+  }
   latest_is_good_ = false;
   cause_ = cause;
   ++refused_;
@@ -59,6 +68,8 @@ void InputMonitor::report(const ros::Time& now, diagnostic_updater::DiagnosticSt
     if (refused_ > 0) {
       status.summaryf(good_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
                       "%zu messages refused: %s", refused_, cause_.c_str());
+    } else if (lasts_) {
+      status.summary(DiagnosticStatus::OK, "received");
     } else if (!required_ && status.level == DiagnosticStatus::ERROR) {
       status.level = DiagnosticStatus::OK;  // its words stay
     }

@@ -37,6 +37,8 @@ class InputMonitor {
   bool accept(const std_msgs::Header& header, const ros::Time& now);
   /// The same for messages that several sources send on one topic, in no order.
   void acceptUnordered(const std_msgs::Header& header, const ros::Time& now);
+  /// What holds until the next one comes, as a calibration: any stamp, and silence is no error afterwards.
+  void acceptLasting(const ros::Time& now);
   /// The latest message cannot be used, whether it was accepted or not.
   void refuse(const std::string& cause);
   void reset();
@@ -51,6 +53,7 @@ class InputMonitor {
   StampGuard stamps_;
   std::string cause_;
   bool latest_is_good_ = false;
+  bool lasts_ = false;
   std::size_t good_ = 0;     // since the last report
   std::size_t refused_ = 0;  // since the last report
   std::size_t refused_in_all_ = 0;

@@ -45,16 +45,12 @@ void MaskInput::configure(bool enabled, double max_age, const MaskFootprint& foo
 }
 
 void MaskInput::subscribe() {
-  mask_subscriber_ = handle_.subscribe<sensor_msgs::Image>("dynamic/mask", 2,
-                                                           [this](const sensor_msgs::ImageConstPtr& mask) {
-                                                             guard(mask_monitor_, mask->header, [&] {
-                                                               pictureOf(mask);  // refuses what is no image
-                                                               mask_ = mask;
-                                                             });
-                                                           });
+  mask_subscriber_ = handle_.subscribe<sensor_msgs::Image>(
+      "dynamic/mask", 2, [this](const sensor_msgs::ImageConstPtr& mask) { onMask(mask); });
   camera_subscriber_ = handle_.subscribe<sensor_msgs::CameraInfo>(
       "camera_info", 2, [this](const sensor_msgs::CameraInfoConstPtr& camera) {
-        guard(camera_monitor_, camera->header, [&] {
+        guard(camera_monitor_, [&] {
+          camera_monitor_.acceptLasting(ros::Time::now());
           cameraOf(*camera);
           camera_ = camera;
         });
@@ -63,14 +59,18 @@ void MaskInput::subscribe() {
   camera_monitor_.setTopic(camera_subscriber_.getTopic());
 }
 
-void MaskInput::guard(InputMonitor& input, const std_msgs::Header& header,
-                      const std::function<void()>& body) {
-  try {
-    const ros::Time now = ros::Time::now();
-    if (!input.accept(header, now)) {
-      mask_.reset();
-      velocities_.clear();
+void MaskInput::onMask(const sensor_msgs::ImageConstPtr& mask) {
+  guard(mask_monitor_, [&] {
+    if (!mask_monitor_.accept(mask->header, ros::Time::now())) forget();
+    if (pictureOf(mask).pixels.type() != CV_8UC1) {
+      throw std::invalid_argument("its encoding is '" + mask->encoding + "', not mono8");
     }
+    mask_ = mask;
+  });
+}
+
+void MaskInput::guard(InputMonitor& input, const std::function<void()>& body) {
+  try {
     body();
   } catch (const std::exception& error) {
     input.refuse(error.what());
@@ -92,19 +92,41 @@ void MaskInput::forget() {
 std::vector<std::uint8_t> MaskInput::marked(const std::vector<DopplerReturn>& returns,
                                             const Eigen::Isometry3d& T_base_from_sensor,
                                             const ros::Time& stamp) {
-  if (!enabled_ || !mask_ || !camera_) return {};
-  const double age = stamp.toSec() - mask_->header.stamp.toSec();
-  if (age < 0.0 || age > max_age_) return {};
-  std::string missing;
-  const std::optional<Eigen::Isometry3d> T_base_from_camera =
-      extrinsics_.lookup(mask_->header.frame_id, missing);
-  if (!T_base_from_camera) {
-    warn_("the mask is not used: " + missing);
+  if (!enabled_) return {};
+  ++scans_;
+  std::string reason;
+  std::vector<std::uint8_t> flags;
+  try {
+    flags = markedBy(returns, T_base_from_sensor, stamp, reason);
+  } catch (const std::exception& error) {
+    reason = error.what();  // a mask must never cost a scan
+  }
+  if (flags.empty() && !returns.empty()) {
+    ++unused_;
+    unused_reason_ = reason;
+  }
+  marked_ += static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
+  return flags;
+}
+
+std::vector<std::uint8_t> MaskInput::markedBy(const std::vector<DopplerReturn>& returns,
+                                              const Eigen::Isometry3d& T_base_from_sensor,
+                                              const ros::Time& stamp, std::string& reason) {
+  if (!mask_ || !camera_) {
+    reason = "nothing on '" + (mask_ ? camera_monitor_ : mask_monitor_).topic() + "' yet";
     return {};
   }
+  const double age = stamp.toSec() - mask_->header.stamp.toSec();
+  if (age < 0.0 || age > max_age_) {
+    reason = "the latest mask is " + std::to_string(age) + " s older than the scan (mask_max_age)";
+    return {};
+  }
+  const std::optional<Eigen::Isometry3d> T_base_from_camera =
+      extrinsics_.lookup(mask_->header.frame_id, reason);
+  if (!T_base_from_camera) return {};
   // Returns that move by themselves have moved on since; the limit on the age keeps that small.
   const std::optional<Eigen::Isometry3d> T_mask_from_scan =
-      velocities_.motion(mask_->header.stamp.toSec(), stamp.toSec(), max_age_, missing);
+      velocities_.motion(mask_->header.stamp.toSec(), stamp.toSec(), max_age_, reason);
   if (!T_mask_from_scan) return {};
   const Eigen::Isometry3f T = (*T_mask_from_scan * T_base_from_sensor).cast<float>();
   std::vector<Eigen::Vector3f> points;
@@ -114,17 +136,21 @@ std::vector<std::uint8_t> MaskInput::marked(const std::vector<DopplerReturn>& re
   const Picture mask = pictureOf(mask_);
   const CameraIntrinsics camera = cameraOf(*camera_);
   if (!isGridOf(mask.pixels.size(), {camera.width, camera.height})) {
-    warn_("the mask on '" + mask_monitor_.topic() + "' of " + sizeText(mask.pixels.size()) +
-          " px does not have the shape of camera_info on '" + camera_monitor_.topic() + "'");
-    return {};
+    throw std::invalid_argument(
+        "the mask on '" + mask_monitor_.topic() + "' of " + sizeText(mask.pixels.size()) +
+        " px does not have the shape of camera_info on '" + camera_monitor_.topic() + "'");
   }
-  std::vector<std::uint8_t> result =
-      pointsInMask(points, mask.pixels, camera.scaledTo(mask.pixels.cols, mask.pixels.rows),
-                   T_base_from_camera->inverse(), footprint_);
-  marked_ += static_cast<std::size_t>(std::count(result.begin(), result.end(), 1));
-  return result;
+  return pointsInMask(points, mask.pixels, camera.scaledTo(mask.pixels.cols, mask.pixels.rows),
+                      T_base_from_camera->inverse(), footprint_);
 }
 
-std::size_t MaskInput::takeMarkedCount() { return std::exchange(marked_, 0); }
+void MaskInput::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (scans_ > 0 && unused_ == scans_)
+    status.mergeSummary(DiagnosticStatus::WARN, "no scan has a mask: " + unused_reason_);
+  status.addf("returns in the mask", "%zu", marked_);
+  status.addf("scans without a mask", "%zu of %zu", unused_, scans_);
+  marked_ = scans_ = unused_ = 0;
+}
 
 }  // namespace radar_dot

@@ -37,13 +37,19 @@ class MaskInput {
 
   InputMonitor& maskMonitor() noexcept { return mask_monitor_; }
   InputMonitor& cameraMonitor() noexcept { return camera_monitor_; }
-  /// Returns marked since the last call.
-  std::size_t takeMarkedCount();
+  /// Adds figures, and a warning where no scan had a mask; starts the next interval.
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
  private:
   /// Runs `body`; whatever it throws becomes a refusal.
-  void guard(InputMonitor& input, const std_msgs::Header& header, const std::function<void()>& body);
+  void guard(InputMonitor& input, const std::function<void()>& body);
+  void onMask(const sensor_msgs::ImageConstPtr& mask);
   void subscribe();
+  /// As marked(); empty, with the reason, where no mask tells. @throws std::invalid_argument for a mask that
+  /// does not fit its camera
+  std::vector<std::uint8_t> markedBy(const std::vector<DopplerReturn>& returns,
+                                     const Eigen::Isometry3d& T_base_from_sensor, const ros::Time& stamp,
+                                     std::string& reason);
 
   ros::NodeHandle handle_;
   Extrinsics& extrinsics_;
@@ -56,7 +62,8 @@ class MaskInput {
   sensor_msgs::ImageConstPtr mask_;
   sensor_msgs::CameraInfoConstPtr camera_;
   TwistHistory velocities_;
-  std::size_t marked_ = 0;
+  std::size_t marked_ = 0, scans_ = 0, unused_ = 0;  // since the last report
+  std::string unused_reason_;
 };
 
 }  // namespace radar_dot

@@ -16,9 +16,8 @@
 namespace radar_dot {
 namespace {
 
-constexpr std::size_t kMaxPending = 50;      // twists waiting for a rotation
-constexpr double kUnobservedVariance = 1e5;  // (m/s)^2 or (rad/s)^2
-constexpr double kPendingPeriod = 0.05;      // s, how often waiting twists are looked at
+constexpr std::size_t kMaxPending = 50;  // twists waiting for a rotation
+constexpr double kPendingPeriod = 0.05;  // s, how often waiting twists are looked at
 constexpr std::array<const char*, 6> kComponents = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
 using CovarianceMap = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>;

@@ -35,15 +35,15 @@ void OpticalFlowNodelet::onInit() {
   publisher_ = handle.advertise<Flow>("flow", 3);
 
   server_ = serve<OpticalFlowConfig>(
-      [](const OpticalFlowConfig& config) { makeOpticalFlow(opticalFlowParams(config)); },
+      [](const OpticalFlowConfig& config) {
+        makeOpticalFlow(opticalFlowParams(config));
+        if (!(config.pair_interval < config.max_pair_gap)) {
+          throw std::invalid_argument("pair_interval must be smaller than max_pair_gap");
+        }
+      },
       [this](const OpticalFlowConfig& config) { configure(config); });
-  try {
-    image_subscriber_ =
-        listenToImages(*image_, 1, [this](LazyPicture picture) { onImage(std::move(picture)); });
-  } catch (const std::invalid_argument& error) {
-    transport_error_ = error.what();
-    NODELET_FATAL("%s: %s", getName().c_str(), error.what());
-  }
+  connectWhile([this] { return publisher_.getNumSubscribers() > 0; }, [this] { connect(); },
+               [this] { disconnect(); });
   waiting_timer_ =
       handle.createWallTimer(ros::WallDuration(kWaitingPeriod), [this](const ros::WallTimerEvent&) {
         if (waiting_) guard(*image_, [this] { processWaiting(); });
@@ -54,10 +54,31 @@ void OpticalFlowNodelet::configure(const OpticalFlowConfig& config) {
   config_ = config;
   flow_ = makeOpticalFlow(opticalFlowParams(config));
   waiting_.reset();
+  followInitialisation();
+}
+
+void OpticalFlowNodelet::followInitialisation() {
   const bool listening = static_cast<bool>(depth_subscriber_);
-  const bool wanted = config.initialisation == "expected";
+  const bool wanted = connected() && config_.initialisation == "expected";
   if (wanted && !listening) listenForExpectedFlow();
   if (!wanted && listening) stopListeningForExpectedFlow();
+}
+
+void OpticalFlowNodelet::connect() {
+  try {
+    image_subscriber_ =
+        listenToImages(*image_, 1, [this](LazyPicture picture) { onImage(std::move(picture)); });
+  } catch (const std::invalid_argument& error) {
+    transport_error_ = error.what();
+    NODELET_FATAL("%s: %s", getName().c_str(), error.what());
+  }
+  followInitialisation();
+}
+
+void OpticalFlowNodelet::disconnect() {
+  stop(*image_, image_subscriber_);
+  followInitialisation();
+  forgetThePast();
 }
 
 void OpticalFlowNodelet::listenForExpectedFlow() {
@@ -66,8 +87,8 @@ void OpticalFlowNodelet::listenForExpectedFlow() {
         depths_.add(depth);
         processWaiting();
       });
-  camera_subscriber_ = listen<sensor_msgs::CameraInfo>(
-      *camera_input_, "camera_info", 3,
+  camera_subscriber_ = listenToLasting<sensor_msgs::CameraInfo>(
+      *camera_input_, "camera_info",
       [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; });
   twist_subscriber_ = listen<geometry_msgs::TwistWithCovarianceStamped>(
       *twist_input_, "ego/twist", 10,
@@ -75,14 +96,9 @@ void OpticalFlowNodelet::listenForExpectedFlow() {
 }
 
 void OpticalFlowNodelet::stopListeningForExpectedFlow() {
-  for (ros::Subscriber* subscriber : {&depth_subscriber_, &camera_subscriber_, &twist_subscriber_}) {
-    subscriber->shutdown();
-    *subscriber = {};
-  }
-  for (InputMonitor* input : {depth_input_, camera_input_, twist_input_}) {
-    input->setTopic({});
-    input->reset();
-  }
+  stop(*depth_input_, depth_subscriber_);
+  stop(*camera_input_, camera_subscriber_);
+  stop(*twist_input_, twist_subscriber_);
   depths_.clear();
   camera_.reset();
   motion_->forget();
@@ -109,11 +125,11 @@ void OpticalFlowNodelet::onImage(LazyPicture picture) {
   if (interval_ > config_.max_pair_gap) {
     ++apart_;
     flow_->reset();
+    ++apart_since_report_;
     warn("gap", "images on '" + image_->topic() + "' " + std::to_string(interval_) +
                     " s apart are no pair (max_pair_gap)");
     return;
   }
-  if (publisher_.getNumSubscribers() == 0) return;
   // Who comes in place of a pair that waited has waited as long: else none might ever be computed.
   const ros::WallTime since = waiting_ ? waiting_->arrival : ros::WallTime::now();
   if (waiting_) ++replaced_;
@@ -132,9 +148,12 @@ cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool patient, std::
   }
   const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(first.frame_id, missing);
   if (!T_base_from_camera) return {};
-  const std::optional<Eigen::Isometry3d> motion =
-      motion_->between(first.stamp, pair.second->header().stamp, kTwistHold, patient, missing);
-  if (!motion) return {};
+  const EgoMotion::Answer motion =
+      motion_->between(first.stamp, pair.second->header().stamp, kTwistHold, patient);
+  if (!motion.T_begin_from_end) {
+    missing = motion.missing;
+    return {};
+  }
   const cv::Mat depth = radar_dot::depthOf(*depth_message);
   const CameraIntrinsics camera = cameraOf(*camera_);
   if (!isGridOf(depth.size(), {camera.width, camera.height})) {
@@ -142,7 +161,7 @@ cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool patient, std::
                                 " px does not have the shape of camera_info");
   }
   return expectedFlow(camera.scaledTo(depth.cols, depth.rows),
-                      staticPointMotion(*T_base_from_camera, *motion), depth);
+                      staticPointMotion(*T_base_from_camera, *motion.T_begin_from_end), depth);
 }
 
 void OpticalFlowNodelet::processWaiting() {
@@ -152,8 +171,14 @@ void OpticalFlowNodelet::processWaiting() {
   if (config_.initialisation == "expected") {
     const bool patient = (ros::WallTime::now() - pair.arrival).toSec() < config_.expected_timeout;
     std::string missing;
-    expected = expectedFlowOf(pair, patient, missing);
-    if (expected.empty() && patient) return;
+    bool may_come = patient;
+    try {
+      expected = expectedFlowOf(pair, patient, missing);
+    } catch (const std::exception& error) {
+      missing = error.what();
+      may_come = false;
+    }
+    if (expected.empty() && may_come) return;
     if (expected.empty()) {
       ++without_start_;
       warn("expected", "flow starts from nothing: " + missing);
@@ -172,14 +197,19 @@ void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
   latency_ =
       ros::Time::now().toSec() - std::max(pair.first->header().stamp, pair.second->header().stamp).toSec();
   ++computed_;
+  ++computed_since_report_;
 }
 
 void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   if (!transport_error_.empty()) {
     status.summary(DiagnosticStatus::ERROR, transport_error_);
-  } else if (publisher_.getNumSubscribers() == 0) {
+  } else if (!connected()) {
     status.summary(DiagnosticStatus::OK, "nobody wants flow");
+  } else if (computed_since_report_ == 0 && apart_since_report_ > 0) {
+    status.summaryf(DiagnosticStatus::ERROR,
+                    "no flow: images are %.2f s apart, more than max_pair_gap (%.2f s)", interval_,
+                    config_.max_pair_gap);
   } else if (without_start_ > 0) {
     status.summaryf(DiagnosticStatus::WARN, "%zu pairs started from nothing", without_start_);
   } else {
@@ -191,7 +221,7 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.addf("pairs", "%zu", computed_);
   status.addf("pairs replaced by later ones", "%zu", replaced_);
   status.addf("images too far apart", "%zu", apart_);
-  without_start_ = 0;
+  without_start_ = computed_since_report_ = apart_since_report_ = 0;
 }
 
 }  // namespace radar_dot

@@ -28,6 +28,10 @@ class OpticalFlowNodelet : public ImageSubscriber {
 
   void onInit() override;
   void configure(const OpticalFlowConfig& config);
+  void connect();
+  void disconnect();
+  /// Listens to what initialisation "expected" needs, or no longer.
+  void followInitialisation();
   void listenForExpectedFlow();
   void stopListeningForExpectedFlow();
   void forgetThePast() override;
@@ -61,6 +65,7 @@ class OpticalFlowNodelet : public ImageSubscriber {
 
   double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;  // s, of the latest pair
   std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0;
+  std::size_t computed_since_report_ = 0, apart_since_report_ = 0;
 };
 
 }  // namespace radar_dot

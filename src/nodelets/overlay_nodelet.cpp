@@ -15,7 +15,8 @@ namespace {
 constexpr double kPeriod = 0.05;        // s, how often subscribers and waiting masks are looked at
 constexpr double kPatience = 0.3;       // s that a mask waits for what belongs to it
 constexpr std::size_t kMaxWaiting = 4;  // masks
-constexpr std::size_t kKept = 12;       // latest images, flows, depths; masks come late where depth does
+constexpr double kKept = 2.0;           // s of images: as long as the other inputs are kept
+constexpr std::size_t kMaxKept = 40;    // images; raw ones are large
 constexpr std::uint32_t kCloudQueue = 20;
 constexpr double kPanelShape = 9.0 / 16.0;
 constexpr float kNearest = 0.1F;  // m; what is nearer to the camera's plane has no useful pixel
@@ -32,8 +33,6 @@ void OverlayNodelet::onInit() {
   const auto warn_of_sensor = [this](const std::string& text) { warn("sensor", text); };
   static_returns_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
   dynamic_returns_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
-  valids_ = depths_ = expected_flows_ = StampCache<sensor_msgs::Image>(kKept);
-  flows_ = StampCache<Flow>(kKept);
 
   image_ = &addInput("image");
   camera_input_ = &addInput("camera_info");
@@ -59,10 +58,10 @@ void OverlayNodelet::onInit() {
 
 void OverlayNodelet::followSubscribers() {
   const bool wanted = maskWanted() || panelsWanted();
-  if (wanted == connected_ && panelsWanted() == connected_for_panels_) return;
+  if (wanted == listening_ && panelsWanted() == listening_for_panels_) return;
   disconnect();
-  connected_ = wanted;
-  connected_for_panels_ = panelsWanted();
+  listening_ = wanted;
+  listening_for_panels_ = panelsWanted();
   if (wanted) connect();
 }
 
@@ -84,15 +83,15 @@ void OverlayNodelet::connect() {
   subscribers_.push_back(listen<Image>(*mask_input_, "dynamic/mask", 3,
                                        [this](const sensor_msgs::ImageConstPtr& mask) { onMask(mask); }));
   subscribers_.push_back(listen<Image>(*valid_input_, "dynamic/valid", 3, keep(valids_)));
-  if (!connected_for_panels_) return;
+  if (!listening_for_panels_) return;
   subscribers_.push_back(listen<Image>(*depth_input_, "depth", 5, keep(depths_)));
   subscribers_.push_back(listen<Image>(*expected_input_, "dynamic/expected_flow", 3, keep(expected_flows_)));
   subscribers_.push_back(listen<Flow>(*flow_input_, "flow", 3, [this](const FlowConstPtr& flow) {
     flows_.add(flow);
     processWaiting();
   }));
-  subscribers_.push_back(listen<sensor_msgs::CameraInfo>(
-      *camera_input_, "camera_info", 3,
+  subscribers_.push_back(listenToLasting<sensor_msgs::CameraInfo>(
+      *camera_input_, "camera_info",
       [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; }));
   subscribers_.push_back(listen<geometry_msgs::TwistWithCovarianceStamped>(
       *twist_input_, "ego/twist", 10,
@@ -131,7 +130,7 @@ void OverlayNodelet::forgetThePast() {
 void OverlayNodelet::keepImage(LazyPicture picture) {
   const ros::Time stamp = picture.header().stamp;
   images_.push_back({stamp, std::make_shared<LazyPicture>(std::move(picture))});
-  if (images_.size() > kKept) images_.pop_front();
+  while (images_.size() > kMaxKept || (stamp - images_.front().stamp).toSec() > kKept) images_.pop_front();
   processWaiting();
 }
 
@@ -148,7 +147,7 @@ OverlayNodelet::Parts OverlayNodelet::partsAt(const ros::Time& stamp) const {
   for (const KeptPicture& kept : images_)
     if (kept.stamp == stamp) parts.image = kept.picture;
   parts.valid = valids_.find(stamp);
-  if (!connected_for_panels_) return parts;
+  if (!listening_for_panels_) return parts;
   parts.depth = depths_.find(stamp);
   parts.flow = flows_.find(stamp);
   parts.expected_flow = expected_flows_.find(stamp);
@@ -162,7 +161,7 @@ std::string OverlayNodelet::missingOf(const Parts& parts) const {
   };
   note(parts.image != nullptr, *image_);
   note(parts.valid != nullptr, *valid_input_);
-  if (!connected_for_panels_) return missing;
+  if (!listening_for_panels_) return missing;
   note(parts.depth != nullptr, *depth_input_);
   note(parts.flow != nullptr, *flow_input_);
   note(parts.expected_flow != nullptr, *expected_input_);
@@ -200,7 +199,7 @@ std::vector<RadarPixel> OverlayNodelet::radarPixels(const std_msgs::Header& head
       const Eigen::Vector2d pixel = camera.project(position.cast<double>());
       pixels.push_back({{static_cast<float>(pixel.x()), static_cast<float>(pixel.y())},
                         position.z(),
-                        point.residual,
+                        std::isnan(point.residual) ? 0.0F : point.residual,
                         clouds == dynamic_returns_.get()});
     }
   }
@@ -241,7 +240,7 @@ void OverlayNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status)
   using diagnostic_msgs::DiagnosticStatus;
   if (!transport_error_.empty()) {
     status.summary(DiagnosticStatus::ERROR, transport_error_);
-  } else if (!connected_) {
+  } else if (!listening_) {
     status.summary(DiagnosticStatus::OK, "nobody looks");
   } else if (incomplete_since_report_ > 0) {
     status.summary(DiagnosticStatus::WARN,

@@ -70,8 +70,8 @@ class OverlayNodelet : public ImageSubscriber {
   InputMonitor *image_ = nullptr, *camera_input_ = nullptr, *mask_input_ = nullptr, *valid_input_ = nullptr,
                *depth_input_ = nullptr, *flow_input_ = nullptr, *expected_input_ = nullptr,
                *twist_input_ = nullptr, *static_input_ = nullptr, *dynamic_input_ = nullptr;
-  bool connected_ = false;
-  bool connected_for_panels_ = false;
+  bool listening_ = false;
+  bool listening_for_panels_ = false;
   std::vector<ros::Subscriber> subscribers_;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Publisher mask_publisher_, panels_publisher_;

@@ -16,11 +16,14 @@ template <typename Message>
 class StampCache {
  public:
   using Pointer = boost::shared_ptr<const Message>;
-  explicit StampCache(std::size_t capacity = 8) : capacity_(capacity) {}
+  /// @param span  s of stamps that are kept   @param capacity  messages that are kept, whatever their stamps
+  explicit StampCache(double span = 2.0, std::size_t capacity = 100) : span_(span), capacity_(capacity) {}
 
   void add(Pointer message) {
+    const double newest = message->header.stamp.toSec();
     messages_.push_back(std::move(message));
-    if (messages_.size() > capacity_) messages_.pop_front();
+    while (messages_.size() > capacity_ || newest - messages_.front()->header.stamp.toSec() > span_)
+      messages_.pop_front();
   }
   /// Null when there is none.
   Pointer find(const ros::Time& stamp) const {
@@ -28,10 +31,15 @@ class StampCache {
       if ((*message)->header.stamp == stamp) return *message;
     return {};
   }
+  /// True where a later message was added: one with this stamp will not come any more on an ordered topic.
+  bool isPast(const ros::Time& stamp) const {
+    return !messages_.empty() && messages_.back()->header.stamp > stamp;
+  }
   void clear() { messages_.clear(); }
   bool empty() const noexcept { return messages_.empty(); }
 
  private:
+  double span_;
   std::size_t capacity_;
   std::deque<Pointer> messages_;
 };

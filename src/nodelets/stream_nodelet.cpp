@@ -8,6 +8,12 @@ namespace radar_dot {
 
 using diagnostic_updater::DiagnosticStatusWrapper;
 
+namespace {
+
+constexpr double kAudiencePeriod = 0.05;  // s
+
+}  // namespace
+
 void StreamNodelet::setUp(const std::string& what) {
   const ros::NodeHandle& private_handle = getPrivateNodeHandle();
   expectation_.rate = 0.0;  // cameras have all rates
@@ -32,6 +38,24 @@ InputMonitor& StreamNodelet::addInput(const std::string& name, bool required) {
   diagnostics_->add("input " + name,
                     [input](DiagnosticStatusWrapper& status) { input->report(ros::Time::now(), status); });
   return *input;
+}
+
+void StreamNodelet::connectWhile(const std::function<bool()>& wanted, const std::function<void()>& connect,
+                                 const std::function<void()>& disconnect) {
+  audience_timer_ = getNodeHandle().createWallTimer(
+      ros::WallDuration(kAudiencePeriod), [this, wanted, connect, disconnect](const ros::WallTimerEvent&) {
+        const bool now = wanted();
+        if (now == connected_) return;
+        connected_ = now;
+        now ? connect() : disconnect();
+      });
+}
+
+void StreamNodelet::stop(InputMonitor& input, ros::Subscriber& subscriber) {
+  subscriber.shutdown();
+  subscriber = {};
+  input.setTopic({});
+  input.reset();
 }
 
 void StreamNodelet::reportConfiguration(DiagnosticStatusWrapper& status) const {

@@ -63,6 +63,21 @@ class StreamNodelet : public nodelet::Nodelet {
     return subscriber;
   }
 
+  /// What holds until the next one comes: no order of stamps, no silence.
+  template <typename Message>
+  ros::Subscriber listenToLasting(InputMonitor& input, const std::string& topic,
+                                  std::function<void(const boost::shared_ptr<const Message>&)> body) {
+    ros::Subscriber subscriber = getNodeHandle().template subscribe<Message>(
+        topic, 2, [this, &input, body](const boost::shared_ptr<const Message>& message) {
+          guard(input, [&] {
+            input.acceptLasting(ros::Time::now());
+            body(message);
+          });
+        });
+    input.setTopic(subscriber.getTopic());
+    return subscriber;
+  }
+
   /// Serves a dynamic_reconfigure configuration. `apply` throws std::invalid_argument, before it changes
   /// anything, for what makes no sense: then the values from before stay; at start, bad values become their
   /// defaults.
@@ -78,6 +93,14 @@ class StreamNodelet : public nodelet::Nodelet {
     });
     return server;
   }
+
+  /// Calls `connect` when `wanted` begins to hold and `disconnect` when it ends, looking some times a second:
+  /// who has no audience listens to nobody, and its sources may rest as well.
+  void connectWhile(const std::function<bool()>& wanted, const std::function<void()>& connect,
+                    const std::function<void()>& disconnect);
+  bool connected() const noexcept { return connected_; }
+  /// Ends a subscription of an input.
+  static void stop(InputMonitor& input, ros::Subscriber& subscriber);
 
   /// Runs `body`; whatever it throws becomes a refusal of the input.
   void guard(InputMonitor& input, const std::function<void()>& body);
@@ -116,7 +139,8 @@ class StreamNodelet : public nodelet::Nodelet {
   LogThrottle throttle_;
   std::string configuration_error_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
-  ros::WallTimer diagnostics_timer_;
+  ros::WallTimer diagnostics_timer_, audience_timer_;
+  bool connected_ = false;
 };
 
 }  // namespace radar_dot

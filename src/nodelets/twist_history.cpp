@@ -13,8 +13,6 @@
 namespace radar_dot {
 namespace {
 
-constexpr double kUnobservedVariance = 1e5;  // (m/s)^2 or (rad/s)^2
-
 using CovarianceMap = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>;
 
 Eigen::Vector3d vectorOf(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }

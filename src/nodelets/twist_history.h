@@ -13,6 +13,9 @@
 
 namespace radar_dot {
 
+/// A component of a twist with this variance or more is not observed, (m/s)^2 or (rad/s)^2.
+inline constexpr double kUnobservedVariance = 1e5;
+
 /// Why a twist cannot be used: another frame than the base frame, not finite. Empty when it can.
 std::string twistDefect(const geometry_msgs::TwistWithCovarianceStamped& twist,
                         const std::string& base_frame);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -50,11 +51,11 @@ TEST(PointsOf, ReadsPositionsByNameAndTheResidual) {
   EXPECT_EQ(points[1].residual, -0.25F);
 }
 
-TEST(PointsOf, WithoutAResidualItIsZero) {
+TEST(PointsOf, WithoutAResidualItIsNotANumber) {
   const std::vector<CloudPoint> points = pointsOf(cloudOf({"x", "y", "z", "rcs"}, {1.F, 2.F, 3.F, 4.F}));
   ASSERT_EQ(points.size(), 1U);
   EXPECT_EQ(points[0].position, Eigen::Vector3f(1.F, 2.F, 3.F));
-  EXPECT_EQ(points[0].residual, 0.F);
+  EXPECT_TRUE(std::isnan(points[0].residual));
 }
 
 TEST(PointsOf, LeavesOutPointsThatAreNotFinite) {

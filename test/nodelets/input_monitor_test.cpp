@@ -171,6 +171,23 @@ TEST(InputMonitorReport, ARefusalIsForgivenButNotForgotten) {
   EXPECT_EQ(figure(status, "last refusal"), "it is empty");
 }
 
+TEST(InputMonitorReport, WhatIsRefusedAfterItsHeaderWasAcceptedIsNoGoodMessage) {
+  InputMonitor monitor = monitorOf(true);
+  monitor.accept(headerAt(100.0), kNow);
+  monitor.refuse("its encoding is wrong");
+  EXPECT_EQ(reportOf(monitor).level, DiagnosticStatus::ERROR);
+}
+
+TEST(InputMonitorReport, WhatLastsMayBeSilentOnceItCame) {
+  InputMonitor monitor = monitorOf(true);
+  EXPECT_EQ(reportOf(monitor).level, DiagnosticStatus::ERROR);
+  monitor.acceptLasting(kNow);
+  EXPECT_EQ(reportOf(monitor, kNow + ros::Duration(1000.0)).level, DiagnosticStatus::OK);
+  monitor.acceptLasting(kNow);
+  monitor.refuse("the focal length is 0");
+  EXPECT_EQ(reportOf(monitor).level, DiagnosticStatus::ERROR);
+}
+
 TEST(InputMonitorReport, WhatIsNotSubscribedIsFine) {
   InputMonitor monitor = monitorOf(true);
   monitor.setTopic("");

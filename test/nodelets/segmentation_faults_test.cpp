@@ -10,6 +10,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <thread>
@@ -32,7 +33,7 @@ struct Frame {
   Image depth;
   sensor_msgs::CameraInfo camera;
   geometry_msgs::TwistWithCovarianceStamped twist;
-  bool send_depth = true, send_twist = true;
+  bool send_depth = true, send_twist = true, send_camera = true;
 };
 using Fault = std::function<void(Frame&)>;
 
@@ -78,7 +79,7 @@ class LiveWorld {
         fault = fault_;
       }
       if (fault) fault(frame);
-      camera_.publish(frame.camera);
+      if (frame.send_camera) camera_.publish(frame.camera);
       if (frame.send_twist) twist_.publish(frame.twist);
       if (frame.send_depth) depth_.publish(frame.depth);
       if (!before.isZero()) flow_.publish(frame.flow);
@@ -223,6 +224,38 @@ TEST_F(SegmentationFaults, SilentInputsAreNamed) {
   expectReported([](Frame& frame) { frame.send_depth = false; }, kVerdict, "/depth");
   expectReported([](Frame& frame) { frame.send_depth = false; }, "segmentation: input depth", "silent");
   expectReported([](Frame& frame) { frame.send_twist = false; }, kVerdict, "/ego/twist");
+}
+
+TEST_F(SegmentationFaults, FlowAloneTellsWhereTheSecondDepthIsLost) {
+  // Every other depth is lost: pairs that begin with one that came still get a mask.
+  auto count = std::make_shared<int>(0);
+  world_.set([count](Frame& frame) { frame.send_depth = ++*count % 2 == 0; });
+  EXPECT_TRUE(waitUntil(
+      [&] {
+        return diagnostics_.latest(kVerdict).message.find("without the depth of the second image") !=
+               std::string::npos;
+      },
+      kPatience))
+      << diagnostics_.latest(kVerdict).message;
+  ASSERT_TRUE(masksComeAnew());
+  EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
+  world_.set({});
+}
+
+TEST_F(SegmentationFaults, YawRatesThatAreNotObservedGiveNoMask) {
+  expectReported([](Frame& frame) { frame.twist.twist.covariance[35] = 1e6; }, kVerdict,
+                 "do not observe the yaw rate");
+}
+
+TEST_F(SegmentationFaults, CameraInfoMayHaveAnyStampAndComeOnce) {
+  world_.set([](Frame& frame) { frame.camera.header.stamp = ros::Time(); });
+  EXPECT_TRUE(masksComeAnew());
+  EXPECT_EQ(diagnostics_.latest("segmentation: input camera_info").level, DiagnosticStatus::OK);
+  world_.set([](Frame& frame) { frame.send_camera = false; });
+  ros::WallDuration(1.5).sleep();  // longer than silent_after
+  EXPECT_TRUE(masksComeAnew());
+  EXPECT_EQ(diagnostics_.latest("segmentation: input camera_info").level, DiagnosticStatus::OK);
+  world_.set({});
 }
 
 TEST_F(SegmentationFaults, WrongTwistIsRefused) {

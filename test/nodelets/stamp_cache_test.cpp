@@ -38,15 +38,31 @@ TEST(StampCache, FindsByTheExactStamp) {
   EXPECT_EQ(cache.find(ros::Time()), nullptr);
 }
 
-TEST(StampCache, KeepsTheLatest) {
-  Cache cache(3);
+TEST(StampCache, KeepsTheLatestOfItsSpan) {
+  Cache cache(2.5);
   for (std::uint32_t i = 1; i <= 4; ++i) cache.add(messageAt(ros::Time(i, 0)));
   EXPECT_EQ(cache.find(ros::Time(1, 0)), nullptr);
   for (std::uint32_t i = 2; i <= 4; ++i) EXPECT_NE(cache.find(ros::Time(i, 0)), nullptr) << i;
 }
 
+TEST(StampCache, KeepsNoMoreThanItsCapacity) {
+  Cache cache(100.0, 3);
+  for (std::uint32_t i = 1; i <= 4; ++i) cache.add(messageAt(ros::Time(i, 0)));
+  EXPECT_EQ(cache.find(ros::Time(1, 0)), nullptr);
+  EXPECT_NE(cache.find(ros::Time(2, 0)), nullptr);
+}
+
+TEST(StampCache, KnowsWhatWillNotComeAnyMore) {
+  Cache cache;
+  EXPECT_FALSE(cache.isPast(ros::Time(1, 0)));
+  cache.add(messageAt(ros::Time(2, 0)));
+  EXPECT_TRUE(cache.isPast(ros::Time(1, 0)));
+  EXPECT_FALSE(cache.isPast(ros::Time(2, 0)));
+  EXPECT_FALSE(cache.isPast(ros::Time(3, 0)));
+}
+
 TEST(StampCache, DoesNotHoldOnToWhatItDropped) {
-  Cache cache(1);
+  Cache cache(100.0, 1);
   Cache::Pointer message = messageAt(ros::Time(1, 0));
   const boost::weak_ptr<const Message> watched = message;
   cache.add(std::move(message));

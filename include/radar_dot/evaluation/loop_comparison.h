@@ -18,7 +18,7 @@ struct LoopResult {
 };
 
 /// Options with neither direction, mask_to_velocity, radar_to_mask and both, in this order. The gain is that
-/// of `options`, or 1 where that is 0. Masks are saved only by the one that `options` itself is.
+/// of `options`, or its default where that is 0. Masks are saved only by the one that `options` itself is.
 std::vector<SegmentationEvaluationOptions> loopVariants(const SegmentationEvaluationOptions& options);
 /// Place in loopVariants of what `options` itself says.
 std::size_t ownVariant(const SegmentationEvaluationOptions& options);
