@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "creeping_actors.h"
 #include "mask_feedback.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "radar_scene.h"
@@ -67,7 +68,9 @@ class SceneRunner {
         images_(tables, radar_, options),
         estimator_(options.estimator),
         segmenter_(options.motion),
-        feedback_(options.max_mask_age) {}
+        feedback_(options.max_mask_age) {
+    if (options.min_true_residual > 0.0) creeping_.emplace(tables, scene);
+  }
 
   void evaluate(const ImagePair& pair, const cv::Mat& truth, SegmentationReport& report);
 
@@ -87,6 +90,7 @@ class SceneRunner {
   SceneImages images_;
   EgoVelocityEstimator estimator_;
   MotionSegmenter segmenter_;
+  std::optional<CreepingActors> creeping_;  // with min_true_residual
   MaskFeedback feedback_;
   std::optional<StampedMask> latest_mask_;
   std::optional<StampedVelocity> latest_velocity_;
@@ -192,14 +196,19 @@ cv::Mat SceneRunner::ignoredOf(const ImagePair& pair, const CameraIntrinsics& gr
   return ignored;
 }
 
-void count(const cv::Mat& mask, const cv::Mat& truth, const cv::Mat& ignored, Confusion& pixels) {
+/// @param ignored   of movers: kIgnored where they do not count; empty: all count
+/// @param creeping  255 where what is not called moving does not count; empty: all counts
+void count(const cv::Mat& mask, const cv::Mat& truth, const cv::Mat& ignored, const cv::Mat& creeping,
+           Confusion& pixels) {
   for (int row = 0; row < truth.rows; ++row) {
     const auto* predicted = mask.ptr<std::uint8_t>(row);
     const auto* actual = truth.ptr<std::uint8_t>(row);
     const auto* ignore = ignored.empty() ? nullptr : ignored.ptr<std::uint8_t>(row);
+    const auto* creeps = creeping.empty() ? nullptr : creeping.ptr<std::uint8_t>(row);
     for (int column = 0; column < truth.cols; ++column) {
       const bool moves = actual[column] != 0;
       if (moves && ignore != nullptr && ignore[column] != kCounts) continue;
+      if (!moves && creeps != nullptr && creeps[column] != 0) continue;
       pixels.add(predicted[column] != 0, moves);
     }
   }
@@ -227,11 +236,13 @@ void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, Segmenta
   } else {
     ++report.without_motion;
   }
-  cv::Mat ignored;
-  if (options_.min_true_residual > 0.0)
+  cv::Mat ignored, creeping;
+  if (options_.min_true_residual > 0.0) {
     ignored = resizeNearest(ignoredOf(pair, input.camera, input.pixel_scale), truth.size());
+    creeping = resizeNearest(creeping_->shownBy(pair.first), truth.size());
+  }
   mask = resizeNearest(mask, truth.size());
-  count(mask, truth, ignored, report.pixels);
+  count(mask, truth, ignored, creeping, report.pixels);
   if (!options_.mask_directory.empty()) {
     const fs::path file = fs::path(options_.mask_directory) / images_.pngName(pair.first);
     if (!cv::imwrite(file.string(), mask)) throw std::runtime_error(file.string() + ": cannot be written");

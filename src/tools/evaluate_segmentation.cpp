@@ -62,7 +62,8 @@ void declareInputs(CLI::App& app, Arguments& arguments) {
   app.add_option(
          "--min-true-residual", options.min_true_residual,
          "px; movers whose true flow differs less from a static world's, or that the second image does not "
-         "show, do not count. Needs ground truth")
+         "show, do not count, nor do road users that creep too slowly to be annotated as moving. Needs "
+         "ground truth")
       ->capture_default_str();
 }
 

@@ -47,7 +47,8 @@ struct SegmentationEvaluationOptions {
   DepthParams depth_params;
   MotionParams motion;
   /// Movers whose residual of the true flow is smaller do not count (neither right nor wrong), px of the full
-  /// image; 0 = all count. Needs ground-truth flow and depth.
+  /// image; nor do road users that move too slowly for their annotation to say so. 0 = all count. Needs the
+  /// ground truth of a simulated dataroot.
   double min_true_residual = 0.0;
   /// The paper's loop from image to radar: returns that lie in the latest mask of the scene are known to move
   /// in the velocity estimates of the pairs after it. They are brought from their scan to the time of the
