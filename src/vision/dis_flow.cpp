@@ -55,26 +55,40 @@ void requireGrid(const cv::Size& grid) {
 
 /// Flow where it is not known is taken from its surroundings, so that a start value has no cracks.
 cv::Mat fillUnknown(const cv::Mat& flow) {
-  cv::Mat known = cv::Mat(flow.size(), CV_32FC1);
-  cv::Mat filled = flow.clone();
+  cv::Mat filled(flow.size(), CV_32FC2);
+  cv::Mat known(flow.size(), CV_32FC1);
+  bool complete = true;
   for (int row = 0; row < flow.rows; ++row) {
+    const auto* given = flow.ptr<cv::Vec2f>(row);
+    auto* out = filled.ptr<cv::Vec2f>(row);
+    auto* is_known = known.ptr<float>(row);
     for (int column = 0; column < flow.cols; ++column) {
-      auto& vector = filled.at<cv::Vec2f>(row, column);
-      const bool finite = std::isfinite(vector[0]) && std::isfinite(vector[1]);
-      known.at<float>(row, column) = finite ? 1.0F : 0.0F;
-      if (!finite) vector = cv::Vec2f(0.0F, 0.0F);
+      const bool finite = std::isfinite(given[column][0] + given[column][1]);
+      out[column] = finite ? given[column] : cv::Vec2f(0.0F, 0.0F);
+      is_known[column] = finite ? 1.0F : 0.0F;
+      complete = complete && finite;
     }
   }
-  cv::Mat sum;
-  cv::Mat weight;
-  const cv::Size window(flow.cols / 8 | 1, flow.rows / 8 | 1);
-  cv::boxFilter(filled, sum, -1, window);
-  cv::boxFilter(known, weight, -1, window);
+  if (complete) return filled;
+  // The surroundings are far: a coarse grid tells them as well, and quicker.
+  constexpr int kCoarser = 8;
+  const cv::Size coarse(std::max(1, flow.cols / kCoarser), std::max(1, flow.rows / kCoarser));
+  cv::Mat sum, weight;
+  cv::resize(filled, sum, coarse, 0.0, 0.0, cv::INTER_AREA);
+  cv::resize(known, weight, coarse, 0.0, 0.0, cv::INTER_AREA);
+  const cv::Size window(coarse.width / 8 | 1, coarse.height / 8 | 1);
+  cv::boxFilter(sum, sum, -1, window);
+  cv::boxFilter(weight, weight, -1, window);
   for (int row = 0; row < flow.rows; ++row) {
+    const int there = std::min(row * coarse.height / flow.rows, coarse.height - 1);
+    const auto* sums = sum.ptr<cv::Vec2f>(there);
+    const auto* weights = weight.ptr<float>(there);
+    const auto* is_known = known.ptr<float>(row);
+    auto* out = filled.ptr<cv::Vec2f>(row);
     for (int column = 0; column < flow.cols; ++column) {
-      if (known.at<float>(row, column) > 0.0F) continue;
-      const float w = weight.at<float>(row, column);
-      if (w > 1e-3F) filled.at<cv::Vec2f>(row, column) = sum.at<cv::Vec2f>(row, column) / w;
+      if (is_known[column] > 0.0F) continue;
+      const int cell = column * coarse.width / flow.cols;
+      if (weights[cell] > 1e-3F) out[column] = sums[cell] * (1.0F / weights[cell]);
     }
   }
   return filled;
