@@ -64,7 +64,7 @@ CameraIntrinsics cameraOf(const dataset::Tables& tables, Index row) {
 
 void validate(const DepthSource& source) {
   if (source.backend == "files" && source.directory.empty())
-    throw std::invalid_argument("depth 'files' needs a folder with the depths");
+    throw std::invalid_argument("depth 'files' needs a folder with the depths (--depth-directory)");
 }
 
 SceneDepths::SceneDepths(const dataset::Tables& tables, const RadarScene& radar, const DepthSource& source)

@@ -160,6 +160,7 @@ std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, Mo
       options_.motion.radar_gain == 0.0)
     return truth;
   const std::optional<Velocity> velocity = velocityOf(begin, end);
+  if (!velocity && options_.velocity == "ground_truth" && options_.rotation == "ground_truth") return truth;
   if (!velocity) return std::nullopt;
   if (options_.velocity != "ground_truth") {
     const Eigen::Vector3d true_velocity = radar_.truth.meanVelocity(begin, end);
@@ -261,7 +262,7 @@ void validate(const SegmentationEvaluationOptions& options) {
   one_of("velocity", options.velocity, {"radar", "radar_start", "ground_truth"});
   one_of("rotation", options.rotation, {"ground_truth", "radar"});
   if (options.flow == "files" && options.flow_directory.empty())
-    throw std::invalid_argument("flow 'files' needs a folder with the flows");
+    throw std::invalid_argument("flow 'files' needs a folder with the flows (--flow-directory)");
   if (options.mask_to_velocity && options.velocity == "ground_truth")
     throw std::invalid_argument("mask_to_velocity needs a velocity by radar, not 'ground_truth'");
   if (!(options.max_mask_age >= 0.0)) {

@@ -12,8 +12,9 @@ namespace radar_dot {
 namespace {
 
 constexpr double kTwistHold = 0.3;  // s
-// Scans of each sensor that are kept: pictures and masks may lag behind the radars by most of a second.
-constexpr std::size_t kKept = 12;
+// s of scans that are kept of each sensor: the images of a pair, and masks of them, come later.
+constexpr double kKept = 4.0;
+constexpr std::size_t kMaxScans = 200;    // of each sensor
 constexpr std::size_t kMaxSensors = 100;  // more are frame names that vary from message to message
 
 /// The field `name` where it can be read; null where there is none.
@@ -66,7 +67,8 @@ void RecentClouds::add(const std::string& topic, const sensor_msgs::PointCloud2&
   if (scans_.size() > kMaxSensors) scans_.clear();
   std::deque<Scan>& scans = scans_[{cloud.header.frame_id, topic}];
   scans.push_back(std::move(scan));
-  if (scans.size() > kKept) scans.pop_front();
+  const double newest = cloud.header.stamp.toSec();
+  while (scans.size() > kMaxScans || newest - scans.front().stamp.toSec() > kKept) scans.pop_front();
 }
 
 const RecentClouds::Scan* RecentClouds::nearest(const std::deque<Scan>& scans, const ros::Time& time,

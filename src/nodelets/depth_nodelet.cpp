@@ -72,6 +72,12 @@ void DepthNodelet::onInit() {
   private_handle.param("radar_topics", radar_topics_, radar_topics_);
   for (const std::string& topic : radar_topics_) radar_inputs_.push_back(&addInput(topic, false));
   publisher_ = handle.advertise<sensor_msgs::Image>("depth", 3);
+  try {
+    checkTransport();
+  } catch (const std::invalid_argument& error) {
+    configuration_problem_ = error.what();
+    NODELET_ERROR("%s: %s", getName().c_str(), error.what());
+  }
   connectWhile([this] { return publisher_.getNumSubscribers() > 0; }, [this] { connectInputs(); },
                [this] { disconnectInputs(); });
   server_ = serve<DepthConfig>(check, [this](const DepthConfig& config) { configure(config); });
@@ -95,11 +101,11 @@ void DepthNodelet::disconnectInputs() {
     input->setTopic({});
     input->reset();
   }
-  camera_.reset();
   forgetThePast();
 }
 
 void DepthNodelet::connectInputs() {
+  last_depth_ = ros::WallTime::now();
   connected_backend_ = config_.backend;
   if (!estimator_) {
     subscribers_.push_back(
@@ -107,13 +113,8 @@ void DepthNodelet::connectInputs() {
                                    [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); }));
     return;
   }
-  try {
-    image_subscriber_ =
-        listenToImages(*image_, 3, [this](LazyPicture picture) { onImage(std::move(picture)); });
-  } catch (const std::invalid_argument& error) {
-    transport_error_ = error.what();
-    NODELET_FATAL("%s: %s", getName().c_str(), error.what());
-  }
+  image_subscriber_ =
+      listenToImages(*image_, 3, [this](LazyPicture picture) { onImage(std::move(picture)); });
   subscribers_.push_back(listenToLasting<sensor_msgs::CameraInfo>(
       *camera_input_, "camera_info",
       [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; }));
@@ -186,19 +187,22 @@ void DepthNodelet::onDepth(const sensor_msgs::ImageConstPtr& message) {
 void DepthNodelet::publish(const std_msgs::Header& header, const cv::Mat& depth) {
   publisher_.publish(imageMessage(header, "32FC1", depth));
   ++computed_;
+  last_depth_ = ros::WallTime::now();
 }
 
 void DepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  if (!transport_error_.empty()) {
-    status.summary(DiagnosticStatus::ERROR, transport_error_);
-  } else if (!connected()) {
+  const double without_depth = (ros::WallTime::now() - last_depth_).toSec();
+  if (!connected()) {
     status.summary(DiagnosticStatus::OK, "nobody wants depth");
+  } else if (without_depth > silentAfter()) {
+    status.summaryf(DiagnosticStatus::ERROR, "no depth for %.1f s", without_depth);
   } else if (computed_ > 0 && known_share_ == 0.0) {
     status.summary(DiagnosticStatus::WARN, "no pixel of the latest depth is known");
   } else {
     status.summary(DiagnosticStatus::OK, "backend " + config_.backend);
   }
+  if (!configuration_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_problem_);
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
   status.addf("known share", "%.2f", known_share_);
   status.addf("points used", "%zu", points_);

@@ -53,7 +53,6 @@ void DynamicSegmentationNodelet::onInit() {
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [this] { processWaiting(); }, [this](const std::string& text) { warn("rotation", text); },
       true);
-  silent_after_ = positiveParameter(private_handle, "silent_after", silent_after_);
   dynamic_returns_ = std::make_unique<RecentClouds>(
       *extrinsics_, *motion_, [this](const std::string& text) { warn("sensor", text); });
   setUpOutputs();
@@ -111,7 +110,6 @@ void DynamicSegmentationNodelet::disconnect() {
   stop(*camera_input_, camera_subscriber_);
   stop(*twist_input_, twist_subscriber_);
   followRadarGain();
-  camera_.reset();
   forgetThePast();
 }
 
@@ -219,7 +217,9 @@ DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gather(WaitingF
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
       extrinsics_->lookup(inputs.flow->header.frame_id, missing);
   if (!T_base_from_camera) return Gathered::kMayCome;
-  const bool patient = (ros::WallTime::now() - waiting.arrival).toSec() < config_.rotation_timeout;
+  const bool patient = (ros::WallTime::now() - waiting.arrival).toSec() <
+                           std::min(config_.rotation_timeout, config_.input_timeout) &&
+                       waiting_.size() <= kMaxWaiting;
   const EgoMotion::Answer motion =
       motion_->between(inputs.flow->header.stamp, inputs.flow->second_stamp, config_.max_twist_age, patient);
   if (!motion.T_begin_from_end) {
@@ -340,7 +340,7 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
   } else if (dropped_since_report_ > 0) {
     status.summaryf(masks_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
                     "%zu flows without a mask: %s", dropped_since_report_, drop_reason_.c_str());
-  } else if (without_mask > silent_after_) {
+  } else if (without_mask > silentAfter()) {
     status.summaryf(DiagnosticStatus::ERROR, "no mask for %.1f s", without_mask);
   } else if (masks_since_report_ > 0 && valid_share_ == 0.0) {
     status.summary(DiagnosticStatus::WARN, "no pixel has both depth and flow");

@@ -90,7 +90,6 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   std::size_t masks_since_report_ = 0, dropped_since_report_ = 0, without_rotation_since_report_ = 0,
               without_next_depth_since_report_ = 0;
   ros::WallTime last_mask_, connected_since_;
-  double silent_after_ = 2.0;  // s
   std::string drop_reason_;
 };
 

@@ -40,21 +40,25 @@ class LazyPicture {
 /// image_transport (raw, compressed).
 class ImageSubscriber : public StreamNodelet {
  protected:
-  /// @throws std::invalid_argument for another transport
+  /// @throws std::invalid_argument for an image_transport that there is not; raw ones are taken then.
+  void checkTransport() {
+    const auto transport = getPrivateNodeHandle().param<std::string>("image_transport", "raw");
+    if (transport != "raw" && transport != "compressed") {
+      throw std::invalid_argument("image_transport '" + transport +
+                                  "' is not one of raw, compressed; using raw");
+    }
+  }
   ros::Subscriber listenToImages(InputMonitor& input, std::uint32_t queue_size,
                                  const std::function<void(LazyPicture)>& body) {
     const auto transport = getPrivateNodeHandle().param<std::string>("image_transport", "raw");
-    if (transport == "raw") {
-      return listen<sensor_msgs::Image>(
-          input, "image", queue_size,
-          [body](const sensor_msgs::ImageConstPtr& image) { body(LazyPicture(image)); });
-    }
     if (transport == "compressed") {
       return listen<sensor_msgs::CompressedImage>(
           input, "image/compressed", queue_size,
           [body](const sensor_msgs::CompressedImageConstPtr& image) { body(LazyPicture(image)); });
     }
-    throw std::invalid_argument("image_transport '" + transport + "' is not one of raw, compressed");
+    return listen<sensor_msgs::Image>(
+        input, "image", queue_size,
+        [body](const sensor_msgs::ImageConstPtr& image) { body(LazyPicture(image)); });
   }
 };
 

@@ -32,7 +32,7 @@ bool InputMonitor::accept(const std_msgs::Header& header, const ros::Time& now) 
 void InputMonitor::acceptUnordered(const std_msgs::Header& header, const ros::Time& now) {
   latest_is_good_ = false;
   checkHeader(header, now);
-  stream_.tick(header.stamp, now);
+  stream_.tickUnordered(header.stamp, now);
   ++good_;
   latest_is_good_ = true;
 }

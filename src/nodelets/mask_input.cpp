@@ -117,7 +117,11 @@ std::vector<std::uint8_t> MaskInput::markedBy(const std::vector<DopplerReturn>& 
     return {};
   }
   const double age = stamp.toSec() - mask_->header.stamp.toSec();
-  if (age < 0.0 || age > max_age_) {
+  if (age < 0.0) {
+    reason = "the latest mask is " + std::to_string(-age) + " s younger than the scan";
+    return {};
+  }
+  if (age > max_age_) {
     reason = "the latest mask is " + std::to_string(age) + " s older than the scan (mask_max_age)";
     return {};
   }

@@ -27,6 +27,14 @@ void StreamMonitor::tick(const ros::Time& stamp, const ros::Time& arrival) {
   age_ = arrival.toSec() - stamp.toSec();
 }
 
+void StreamMonitor::tickUnordered(const ros::Time& stamp, const ros::Time& arrival) {
+  // Several may arrive at one time of a replay's clock.
+  if (stamps_.empty() || arrival > stamps_.back()) stamps_.push_back(arrival);
+  if (stamps_.size() > kRateStamps) stamps_.pop_front();
+  last_arrival_ = arrival;
+  age_ = arrival.toSec() - stamp.toSec();
+}
+
 void StreamMonitor::reset() {
   stamps_.clear();
   age_ = 0.0;

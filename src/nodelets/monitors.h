@@ -27,6 +27,8 @@ class StreamMonitor {
   explicit StreamMonitor(StreamExpectation expectation = {}) : expectation_(expectation) {}
 
   void tick(const ros::Time& stamp, const ros::Time& arrival);
+  /// Of a topic that several sensors share: the rate is that of the arrivals.
+  void tickUnordered(const ros::Time& stamp, const ros::Time& arrival);
   void reset();
 
   double rate() const;                          ///< Hz, over the last stamps; 0: unknown

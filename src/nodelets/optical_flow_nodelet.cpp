@@ -13,8 +13,11 @@
 namespace radar_dot {
 namespace {
 
-constexpr double kWaitingPeriod = 0.02;  // s, how often a waiting pair is looked at
-constexpr double kTwistHold = 0.3;       // s that the latest twist holds; only start values depend on it
+constexpr double kWaitingPeriod = 0.02;    // s, how often a waiting pair is looked at
+constexpr double kNext = 1e-4;             // s; a pair is computed after the messages that wait already
+constexpr std::uint32_t kImageQueue = 10;  // what is too much is seen, and counted, instead of lost before
+constexpr std::uint32_t kDepthQueue = 30;  // those that come while a pair is computed
+constexpr double kTwistHold = 0.3;         // s that the latest twist holds; only start values depend on it
 // Of the asked-for interval: images are not taken exactly in time.
 constexpr double kIntervalTolerance = 0.1;
 
@@ -25,9 +28,10 @@ void OpticalFlowNodelet::onInit() {
   ros::NodeHandle& handle = getNodeHandle();
   extrinsics_ = std::make_unique<Extrinsics>(
       getPrivateNodeHandle().param<std::string>("base_frame", "base_link"), handle);
+  // Without a source of rotation: its latest sample comes later than the image, and flow would wait for it.
   motion_ = std::make_unique<EgoMotion>(
-      *extrinsics_, [this] { processWaiting(); },
-      [this](const std::string& text) { warn("rotation", text); });
+      *extrinsics_, [this] { guard(*image_, [this] { processWaiting(); }); },
+      [this](const std::string& text) { warn("rotation", text); }, true);
   image_ = &addInput("image");
   depth_input_ = &addInput("depth");
   camera_input_ = &addInput("camera_info");
@@ -38,10 +42,21 @@ void OpticalFlowNodelet::onInit() {
       [](const OpticalFlowConfig& config) {
         makeOpticalFlow(opticalFlowParams(config));
         if (!(config.pair_interval < config.max_pair_gap)) {
-          throw std::invalid_argument("pair_interval must be smaller than max_pair_gap");
+          throw std::invalid_argument("pair_interval (" + std::to_string(config.pair_interval) +
+                                      " s) must be smaller than max_pair_gap (" +
+                                      std::to_string(config.max_pair_gap) + " s)");
         }
       },
-      [this](const OpticalFlowConfig& config) { configure(config); });
+      [this](const OpticalFlowConfig& config) { configure(config); }, {{"pair_interval", "max_pair_gap"}});
+  try {
+    checkTransport();
+  } catch (const std::invalid_argument& error) {
+    configuration_problem_ = error.what();
+    NODELET_ERROR("%s: %s", getName().c_str(), error.what());
+  }
+  compute_timer_ = handle.createWallTimer(
+      ros::WallDuration(kNext),
+      [this](const ros::WallTimerEvent&) { guard(*image_, [this] { processWaiting(); }); }, true, false);
   connectWhile([this] { return publisher_.getNumSubscribers() > 0; }, [this] { connect(); },
                [this] { disconnect(); });
   waiting_timer_ =
@@ -65,13 +80,9 @@ void OpticalFlowNodelet::followInitialisation() {
 }
 
 void OpticalFlowNodelet::connect() {
-  try {
-    image_subscriber_ =
-        listenToImages(*image_, 1, [this](LazyPicture picture) { onImage(std::move(picture)); });
-  } catch (const std::invalid_argument& error) {
-    transport_error_ = error.what();
-    NODELET_FATAL("%s: %s", getName().c_str(), error.what());
-  }
+  last_flow_ = ros::WallTime::now();
+  image_subscriber_ =
+      listenToImages(*image_, kImageQueue, [this](LazyPicture picture) { onImage(std::move(picture)); });
   followInitialisation();
 }
 
@@ -82,11 +93,11 @@ void OpticalFlowNodelet::disconnect() {
 }
 
 void OpticalFlowNodelet::listenForExpectedFlow() {
-  depth_subscriber_ =
-      listen<sensor_msgs::Image>(*depth_input_, "depth", 3, [this](const sensor_msgs::ImageConstPtr& depth) {
-        depths_.add(depth);
-        processWaiting();
-      });
+  depth_subscriber_ = listen<sensor_msgs::Image>(*depth_input_, "depth", kDepthQueue,
+                                                 [this](const sensor_msgs::ImageConstPtr& depth) {
+                                                   depths_.add(depth);
+                                                   processWaiting();
+                                                 });
   camera_subscriber_ = listenToLasting<sensor_msgs::CameraInfo>(
       *camera_input_, "camera_info",
       [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; });
@@ -100,7 +111,6 @@ void OpticalFlowNodelet::stopListeningForExpectedFlow() {
   stop(*camera_input_, camera_subscriber_);
   stop(*twist_input_, twist_subscriber_);
   depths_.clear();
-  camera_.reset();
   motion_->forget();
 }
 
@@ -119,13 +129,13 @@ void OpticalFlowNodelet::onImage(LazyPicture picture) {
     previous_ = current;
     return;
   }
-  interval_ = current->header().stamp.toSec() - before->header().stamp.toSec();
-  if (interval_ < config_.pair_interval * (1.0 - kIntervalTolerance)) return;
+  const double interval = current->header().stamp.toSec() - before->header().stamp.toSec();
+  if (interval < config_.pair_interval * (1.0 - kIntervalTolerance)) return;
+  interval_ = interval;
   previous_ = current;
   if (interval_ > config_.max_pair_gap) {
     ++apart_;
     flow_->reset();
-    ++apart_since_report_;
     warn("gap", "images on '" + image_->topic() + "' " + std::to_string(interval_) +
                     " s apart are no pair (max_pair_gap)");
     return;
@@ -135,15 +145,20 @@ void OpticalFlowNodelet::onImage(LazyPicture picture) {
   if (waiting_) ++replaced_;
   const bool forward = config_.direction == "forward";
   waiting_ = Pair{forward ? before : current, forward ? current : before, since};
-  processWaiting();
+  // Later images that wait already come first: theirs is the pair to work on.
+  compute_timer_.stop();
+  compute_timer_.start();
 }
 
 cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool patient, std::string& missing) {
   const std_msgs::Header& first = pair.first->header();
   const sensor_msgs::ImageConstPtr depth_message = depths_.find(first.stamp);
-  if (!depth_message || !camera_) {
-    missing = "no message with the stamp of the image on '" +
-              (camera_ ? depth_input_->topic() : camera_input_->topic()) + "'";
+  if (!camera_) {
+    missing = "nothing on '" + camera_input_->topic() + "' yet";
+    return {};
+  }
+  if (!depth_message) {
+    missing = "no message with the stamp of the image on '" + depth_input_->topic() + "'";
     return {};
   }
   const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(first.frame_id, missing);
@@ -171,7 +186,7 @@ void OpticalFlowNodelet::processWaiting() {
   if (config_.initialisation == "expected") {
     const bool patient = (ros::WallTime::now() - pair.arrival).toSec() < config_.expected_timeout;
     std::string missing;
-    bool may_come = patient;
+    bool may_come = patient && !depths_.isPast(pair.first->header().stamp);
     try {
       expected = expectedFlowOf(pair, patient, missing);
     } catch (const std::exception& error) {
@@ -197,31 +212,34 @@ void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
   latency_ =
       ros::Time::now().toSec() - std::max(pair.first->header().stamp, pair.second->header().stamp).toSec();
   ++computed_;
-  ++computed_since_report_;
+  last_flow_ = ros::WallTime::now();
 }
 
 void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  if (!transport_error_.empty()) {
-    status.summary(DiagnosticStatus::ERROR, transport_error_);
-  } else if (!connected()) {
+  const double without_flow = (ros::WallTime::now() - last_flow_).toSec();
+  if (!connected()) {
     status.summary(DiagnosticStatus::OK, "nobody wants flow");
-  } else if (computed_since_report_ == 0 && apart_since_report_ > 0) {
-    status.summaryf(DiagnosticStatus::ERROR,
-                    "no flow: images are %.2f s apart, more than max_pair_gap (%.2f s)", interval_,
-                    config_.max_pair_gap);
+  } else if (without_flow > silentAfter() + config_.pair_interval) {
+    status.summaryf(DiagnosticStatus::ERROR, "no flow for %.1f s", without_flow);
+    if (interval_ > config_.max_pair_gap) {
+      status.mergeSummaryf(DiagnosticStatus::ERROR,
+                           "images are %.2f s apart, more than max_pair_gap (%.2f s)", interval_,
+                           config_.max_pair_gap);
+    }
   } else if (without_start_ > 0) {
     status.summaryf(DiagnosticStatus::WARN, "%zu pairs started from nothing", without_start_);
   } else {
     status.summary(DiagnosticStatus::OK, "computing");
   }
+  if (!configuration_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_problem_);
   status.addf("interval of the pair (s)", "%.3f", interval_);
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
   status.addf("latency (ms)", "%.1f", 1e3 * latency_);
   status.addf("pairs", "%zu", computed_);
   status.addf("pairs replaced by later ones", "%zu", replaced_);
   status.addf("images too far apart", "%zu", apart_);
-  without_start_ = computed_since_report_ = apart_since_report_ = 0;
+  without_start_ = 0;
 }
 
 }  // namespace radar_dot

@@ -45,7 +45,7 @@ class OpticalFlowNodelet : public ImageSubscriber {
   void compute(const Pair& pair, const cv::Mat& expected);
 
   OpticalFlowConfig config_ = OpticalFlowConfig::__getDefault__();
-  std::string transport_error_;
+  std::string configuration_problem_;
   std::unique_ptr<OpticalFlow> flow_;
   SharedPicture previous_;
   std::optional<Pair> waiting_;
@@ -61,11 +61,11 @@ class OpticalFlowNodelet : public ImageSubscriber {
   ros::Subscriber image_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_;
   ros::Publisher publisher_;
   std::unique_ptr<dynamic_reconfigure::Server<OpticalFlowConfig>> server_;
-  ros::WallTimer waiting_timer_;
+  ros::WallTimer waiting_timer_, compute_timer_;
 
   double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;  // s, of the latest pair
   std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0;
-  std::size_t computed_since_report_ = 0, apart_since_report_ = 0;
+  ros::WallTime last_flow_;
 };
 
 }  // namespace radar_dot

@@ -45,6 +45,12 @@ void OverlayNodelet::onInit() {
   static_input_ = &addInput("radar/static", false);
   dynamic_input_ = &addInput("radar/dynamic", false);
 
+  try {
+    checkTransport();
+  } catch (const std::invalid_argument& error) {
+    configuration_problem_ = error.what();
+    NODELET_ERROR("%s: %s", getName().c_str(), error.what());
+  }
   transport_ = std::make_unique<image_transport::ImageTransport>(handle);
   mask_publisher_ = transport_->advertise("overlay/mask", 2);
   panels_publisher_ = transport_->advertise("overlay/six_panel", 2);
@@ -73,13 +79,8 @@ void OverlayNodelet::connect() {
       processWaiting();
     };
   };
-  try {
-    subscribers_.push_back(
-        listenToImages(*image_, 3, [this](LazyPicture picture) { keepImage(std::move(picture)); }));
-  } catch (const std::invalid_argument& error) {
-    transport_error_ = error.what();
-    NODELET_FATAL("%s: %s", getName().c_str(), error.what());
-  }
+  subscribers_.push_back(
+      listenToImages(*image_, 3, [this](LazyPicture picture) { keepImage(std::move(picture)); }));
   subscribers_.push_back(listen<Image>(*mask_input_, "dynamic/mask", 3,
                                        [this](const sensor_msgs::ImageConstPtr& mask) { onMask(mask); }));
   subscribers_.push_back(listen<Image>(*valid_input_, "dynamic/valid", 3, keep(valids_)));
@@ -238,9 +239,7 @@ void OverlayNodelet::draw(const sensor_msgs::ImageConstPtr& message, const Parts
 
 void OverlayNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  if (!transport_error_.empty()) {
-    status.summary(DiagnosticStatus::ERROR, transport_error_);
-  } else if (!listening_) {
+  if (!listening_) {
     status.summary(DiagnosticStatus::OK, "nobody looks");
   } else if (incomplete_since_report_ > 0) {
     status.summary(DiagnosticStatus::WARN,
@@ -248,6 +247,7 @@ void OverlayNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status)
   } else {
     status.summary(DiagnosticStatus::OK, "drawing");
   }
+  if (!configuration_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_problem_);
   status.addf("drawing time (ms)", "%.1f", 1e3 * drawing_time_);
   status.addf("pictures", "%zu", drawn_);
   incomplete_since_report_ = 0;

@@ -17,7 +17,7 @@ class StampCache {
  public:
   using Pointer = boost::shared_ptr<const Message>;
   /// @param span  s of stamps that are kept   @param capacity  messages that are kept, whatever their stamps
-  explicit StampCache(double span = 2.0, std::size_t capacity = 100) : span_(span), capacity_(capacity) {}
+  explicit StampCache(double span = 4.0, std::size_t capacity = 100) : span_(span), capacity_(capacity) {}
 
   void add(Pointer message) {
     const double newest = message->header.stamp.toSec();

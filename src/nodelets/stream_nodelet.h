@@ -82,12 +82,15 @@ class StreamNodelet : public nodelet::Nodelet {
   /// anything, for what makes no sense: then the values from before stay; at start, bad values become their
   /// defaults.
   template <typename Config>
-  std::unique_ptr<dynamic_reconfigure::Server<Config>> serve(std::function<void(const Config&)> check,
-                                                             std::function<void(const Config&)> apply) {
+  /// @param pairs  names of parameters that make sense only together
+  std::unique_ptr<dynamic_reconfigure::Server<Config>> serve(
+      std::function<void(const Config&)> check, std::function<void(const Config&)> apply,
+      const std::vector<std::vector<std::string>>& pairs = {}) {
     auto server = std::make_unique<dynamic_reconfigure::Server<Config>>(getPrivateNodeHandle());
     auto in_use = std::make_shared<std::optional<Config>>();
-    server->setCallback([this, check, apply, in_use](Config& config, std::uint32_t) {
-      config = in_use->has_value() ? reconfigured(config, **in_use, check) : configuredAtStart(config, check);
+    server->setCallback([this, check, apply, pairs, in_use](Config& config, std::uint32_t) {
+      config = in_use->has_value() ? reconfigured(config, **in_use, check)
+                                   : configuredAtStart(config, check, pairs);
       apply(config);
       *in_use = config;
     });
@@ -101,6 +104,9 @@ class StreamNodelet : public nodelet::Nodelet {
   bool connected() const noexcept { return connected_; }
   /// Ends a subscription of an input.
   static void stop(InputMonitor& input, ros::Subscriber& subscriber);
+
+  /// s without a message, after which something is wrong.
+  double silentAfter() const noexcept { return expectation_.silent_after; }
 
   /// Runs `body`; whatever it throws becomes a refusal of the input.
   void guard(InputMonitor& input, const std::function<void()>& body);
@@ -124,8 +130,10 @@ class StreamNodelet : public nodelet::Nodelet {
     return in_use;
   }
   template <typename Config>
-  Config configuredAtStart(const Config& wanted, const std::function<void(const Config&)>& check) {
-    const Mended<Config> mended = mend(wanted, check);
+  Config configuredAtStart(const Config& wanted, const std::function<void(const Config&)>& check,
+                           const std::vector<std::vector<std::string>>& pairs) {
+    Mended<Config> mended = mend(wanted, check, pairs);
+    if (!mended.valid) mended.problems.emplace_back("all parameters have their defaults");
     for (const std::string& problem : mended.problems) {
       NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
       configuration_error_ += (configuration_error_.empty() ? "" : "; ") + problem;

@@ -75,7 +75,11 @@ void declareMethod(CLI::App& app, SegmentationEvaluationOptions& options) {
   app.add_option("--foe-std", motion.foe_std, "sigma_FOE, px")->capture_default_str();
   app.add_option("--occlusion-margin", motion.occlusion_margin, "Share of the depth that counts as hidden")
       ->capture_default_str();
-  app.add_option("--max-depth", motion.max_depth, "m; farther is unknown")->capture_default_str();
+  app.add_option_function<double>(
+         "--max-depth",
+         [&options](double depth) { options.motion.max_depth = options.depth_params.max_depth = depth; },
+         "m; farther is unknown, to the score and to the depth backends")
+      ->default_val(motion.max_depth);
   app.add_option("--opening", motion.opening, "px")->capture_default_str();
   app.add_option("--closing", motion.closing, "px")->capture_default_str();
   app.add_option("--min-threshold", motion.min_threshold, "Least threshold of the score")
@@ -150,6 +154,9 @@ Results evaluateAll(const Arguments& arguments) {
   if (!options.mask_directory.empty()) std::filesystem::create_directories(options.mask_directory);
   std::vector<SegmentationEvaluationOptions> variants = {options};
   std::size_t own = 0;
+  if (arguments.compare_loop && arguments.options.velocity == "ground_truth") {
+    throw std::invalid_argument("--compare-loop needs a velocity by radar, not --velocity ground_truth");
+  }
   if (arguments.compare_loop) {
     variants = radar_dot::evaluation::loopVariants(options);
     own = radar_dot::evaluation::ownVariant(options);

@@ -28,7 +28,7 @@ TEST(EvaluateSegmentation, BadInputGetsOneLineAndANonZeroExit) {
   expectRefusal(dataroot + " --json same --csv same", "same file");
   expectRefusal(dataroot + " --max-mask-age -1", "--max-mask-age");
   expectRefusal(dataroot + " --mask-to-velocity --velocity ground_truth", "mask_to_velocity");
-  expectRefusal(dataroot + " --compare-loop --velocity ground_truth", "mask_to_velocity");
+  expectRefusal(dataroot + " --compare-loop --velocity ground_truth", "--compare-loop");
 }
 
 TEST(EvaluateSegmentation, ComparesTheLoopAndMergesComparisons) {
