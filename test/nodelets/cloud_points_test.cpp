@@ -37,7 +37,7 @@ sensor_msgs::PointCloud2 cloudOf(const std::vector<std::string>& names, const st
   cloud.width = static_cast<std::uint32_t>(values.size() / names.size());
   cloud.row_step = cloud.width * cloud.point_step;
   cloud.data.resize(4 * values.size());
-  std::memcpy(cloud.data.data(), values.data(), cloud.data.size());
+  if (!values.empty()) std::memcpy(cloud.data.data(), values.data(), cloud.data.size());
   return cloud;
 }
 
