@@ -34,6 +34,10 @@ void OverlayNodelet::onInit() {
   static_returns_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
   dynamic_returns_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
 
+  // As long as images are kept; what comes later has nothing to be drawn on.
+  valids_ = depths_ = expected_flows_ = StampCache<sensor_msgs::Image>(kKept);
+  flows_ = StampCache<Flow>(kKept);
+
   image_ = &addInput("image");
   camera_input_ = &addInput("camera_info");
   mask_input_ = &addInput("dynamic/mask");
