@@ -4,15 +4,16 @@
 
 #include <fmt/format.h>
 #include <rapidjson/document.h>
-#include <rapidjson/error/en.h>
 #include <rapidjson/istreamwrapper.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
+#include "radar_dot/dataset/instance_masks.h"
 #include "radar_scene.h"
 #include "scene_depths.h"
 
@@ -33,14 +34,9 @@ Eigen::Vector3d centreOf(const SampleAnnotation& box) {
 }
 
 bool isCalledMoving(const dataset::Tables& tables, const SampleAnnotation& box) {
-  for (const Index attribute : box.attributes) {
-    const std::string& name = tables.attributes[at(attribute)].name;
-    const std::string ending = ".moving";
-    if (name == "cycle.with_rider" || (name.size() > ending.size() &&
-                                       name.compare(name.size() - ending.size(), ending.size(), ending) == 0))
-      return true;
-  }
-  return false;
+  return std::any_of(box.attributes.begin(), box.attributes.end(), [&tables](Index attribute) {
+    return dataset::isMovingAttribute(tables.attributes[at(attribute)].name);
+  });
 }
 
 bool moves(const dataset::Tables& tables, const SampleAnnotation& box) {

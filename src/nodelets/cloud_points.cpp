@@ -86,7 +86,6 @@ const RecentClouds::Scan* RecentClouds::nearest(const std::deque<Scan>& scans, c
 
 std::vector<CloudPoint> RecentClouds::at(const ros::Time& time, double max_age) {
   std::vector<CloudPoint> points;
-  used_ = 0;
   for (const auto& [key, scans] : scans_) {
     const Scan* scan = nearest(scans, time, max_age);
     if (scan == nullptr) continue;
@@ -101,7 +100,6 @@ std::vector<CloudPoint> RecentClouds::at(const ros::Time& time, double max_age) 
     const Eigen::Isometry3f T =
         (T_now_from_scan ? *T_now_from_scan * *T_base_from_sensor : *T_base_from_sensor).cast<float>();
     for (const CloudPoint& point : scan->points) points.push_back({T * point.position, point.residual});
-    ++used_;
   }
   return points;
 }

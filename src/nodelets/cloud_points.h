@@ -46,8 +46,6 @@ class RecentClouds {
   std::vector<CloudPoint> at(const ros::Time& time, double max_age);
   /// The same without residuals, m.
   std::vector<Eigen::Vector3f> positionsAt(const ros::Time& time, double max_age);
-  /// Scans that the latest at() has used.
-  std::size_t used() const noexcept { return used_; }
 
  private:
   struct Scan {
@@ -61,7 +59,6 @@ class RecentClouds {
   static const Scan* nearest(const std::deque<Scan>& scans, const ros::Time& time, double max_age);
 
   std::map<std::pair<std::string, std::string>, std::deque<Scan>> scans_;  // by frame and topic
-  std::size_t used_ = 0;
 };
 
 }  // namespace radar_dot

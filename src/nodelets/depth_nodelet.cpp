@@ -15,8 +15,6 @@
 namespace radar_dot {
 namespace {
 
-constexpr std::uint32_t kCloudQueue = 20;
-
 void check(const DepthConfig& config) {
   DepthParams params = depthParams(config);
   if (config.backend == kTopicBackend) {
@@ -72,12 +70,7 @@ void DepthNodelet::onInit() {
   private_handle.param("radar_topics", radar_topics_, radar_topics_);
   for (const std::string& topic : radar_topics_) radar_inputs_.push_back(&addInput(topic, false));
   publisher_ = handle.advertise<sensor_msgs::Image>("depth", 3);
-  try {
-    checkTransport();
-  } catch (const std::invalid_argument& error) {
-    configuration_problem_ = error.what();
-    NODELET_ERROR("%s: %s", getName().c_str(), error.what());
-  }
+  checkTransport();
   connectWhile([this] { return publisher_.getNumSubscribers() > 0; }, [this] { connectInputs(); },
                [this] { disconnectInputs(); });
   server_ = serve<DepthConfig>(check, [this](const DepthConfig& config) { configure(config); });
@@ -115,21 +108,14 @@ void DepthNodelet::connectInputs() {
   }
   image_subscriber_ =
       listenToImages(*image_, 3, [this](LazyPicture picture) { onImage(std::move(picture)); });
-  subscribers_.push_back(listenToLasting<sensor_msgs::CameraInfo>(
-      *camera_input_, "camera_info",
-      [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; }));
-  subscribers_.push_back(listen<geometry_msgs::TwistWithCovarianceStamped>(
-      *twist_input_, "ego/twist", 10,
-      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion_->add(*twist); }));
-  const auto listen_to_clouds = [this](InputMonitor& input, const std::string& topic, RecentClouds& clouds) {
-    subscribers_.push_back(listenUnordered<sensor_msgs::PointCloud2>(
-        input, topic, kCloudQueue,
-        [&clouds, topic](const sensor_msgs::PointCloud2ConstPtr& cloud) { clouds.add(topic, *cloud); }));
-  };
-  if (config_.backend == "lidar") listen_to_clouds(*lidar_input_, "lidar", *lidar_clouds_);
-  if (config_.backend == "lidar") return;
+  subscribers_.push_back(listenToCamera(*camera_input_, camera_));
+  subscribers_.push_back(listenToTwists(*twist_input_, *motion_));
+  if (config_.backend == "lidar") {
+    subscribers_.push_back(listenToClouds(*lidar_input_, "lidar", *lidar_clouds_));
+    return;
+  }
   for (std::size_t i = 0; i < radar_topics_.size(); ++i)
-    listen_to_clouds(*radar_inputs_[i], radar_topics_[i], *radar_clouds_);
+    subscribers_.push_back(listenToClouds(*radar_inputs_[i], radar_topics_[i], *radar_clouds_));
 }
 
 void DepthNodelet::forgetThePast() {
@@ -202,7 +188,6 @@ void DepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   } else {
     status.summary(DiagnosticStatus::OK, "backend " + config_.backend);
   }
-  if (!configuration_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_problem_);
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
   status.addf("known share", "%.2f", known_share_);
   status.addf("points used", "%zu", points_);

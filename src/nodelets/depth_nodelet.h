@@ -33,7 +33,6 @@ class DepthNodelet : public ImageSubscriber {
 
   DepthConfig config_ = DepthConfig::__getDefault__();
   std::string connected_backend_;  // whose inputs are subscribed
-  std::string configuration_problem_;
   ros::WallTime last_depth_;
   std::unique_ptr<DepthEstimator> estimator_;  // none: the backend "topic"
 

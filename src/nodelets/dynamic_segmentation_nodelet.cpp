@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::size_t kMaxWaiting = 4;   // flows; at 12 Hz a third of a second
 constexpr double kWaitingPeriod = 0.05;  // s, how often waiting flows are looked at
-constexpr std::uint32_t kCloudQueue = 20;
 
 /// |flow - expected|, px; NaN where either is unknown.
 cv::Mat residualOf(const cv::Mat& flow, const cv::Mat& expected) {
@@ -67,8 +66,7 @@ void DynamicSegmentationNodelet::onInit() {
   try {
     motion_->setUpRotation(handle, private_handle);
   } catch (const std::invalid_argument& error) {
-    configuration_problem_ = std::string(error.what()) + "; using the yaw rate of the twists";
-    NODELET_ERROR("%s: %s", getName().c_str(), configuration_problem_.c_str());
+    reportProblem(std::string(error.what()) + "; using the yaw rate of the twists");
   }
   connectWhile([this] { return wanted(); }, [this] { connect(); }, [this] { disconnect(); });
 }
@@ -92,12 +90,8 @@ void DynamicSegmentationNodelet::connect() {
         depths_.add(depth);
         processWaiting();
       });
-  camera_subscriber_ = listenToLasting<sensor_msgs::CameraInfo>(
-      *camera_input_, "camera_info",
-      [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; });
-  twist_subscriber_ = listen<geometry_msgs::TwistWithCovarianceStamped>(
-      *twist_input_, "ego/twist", 20,
-      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion_->add(*twist); });
+  camera_subscriber_ = listenToCamera(*camera_input_, camera_);
+  twist_subscriber_ = listenToTwists(*twist_input_, *motion_);
   waiting_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kWaitingPeriod),
                                                    [this](const ros::WallTimerEvent&) { processWaiting(); });
   followRadarGain();
@@ -123,10 +117,7 @@ void DynamicSegmentationNodelet::followRadarGain() {
   const bool listening = static_cast<bool>(radar_subscriber_);
   const bool wanted = connected() && config_.radar_gain > 0.0;
   if (wanted && !listening) {
-    radar_subscriber_ = listenUnordered<sensor_msgs::PointCloud2>(
-        *radar_input_, "radar/dynamic", kCloudQueue, [this](const sensor_msgs::PointCloud2ConstPtr& cloud) {
-          dynamic_returns_->add(radar_input_->topic(), *cloud);
-        });
+    radar_subscriber_ = listenToClouds(*radar_input_, "radar/dynamic", *dynamic_returns_);
   } else if (!wanted && listening) {
     stop(*radar_input_, radar_subscriber_);
   }
@@ -355,7 +346,6 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
     status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without a rotation from %s",
                          without_rotation_since_report_, motion_->rotationText().c_str());
   }
-  if (!configuration_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_problem_);
   status.add("rotation", motion_->rotationText());
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
   status.addf("latency (ms)", "%.1f", 1e3 * latency_);

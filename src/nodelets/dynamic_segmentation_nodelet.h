@@ -65,7 +65,6 @@ class DynamicSegmentationNodelet : public StreamNodelet {
 
   DynamicSegmentationConfig config_ = DynamicSegmentationConfig::__getDefault__();
   MotionSegmenter segmenter_;
-  std::string configuration_problem_;
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> dynamic_returns_;

@@ -12,7 +12,6 @@
 
 #include "extrinsics.h"
 #include "rotation_source.h"
-#include "stream_nodelet.h"
 #include "twist_history.h"
 
 namespace radar_dot {

@@ -205,12 +205,7 @@ void EgoVelocityNodelet::refuse(Radar& radar, const std::string& cause) {
 
 std::shared_ptr<const RadarReading> EgoVelocityNodelet::read(Radar& radar,
                                                              const sensor_msgs::PointCloud2ConstPtr& cloud) {
-  const ros::Time now = ros::Time::now();
-  if (cloud->header.frame_id.empty()) throw std::invalid_argument("its frame_id is empty");
-  if (cloud->header.stamp.isZero()) throw std::invalid_argument("its stamp is zero");
-  if (isAhead(cloud->header.stamp, now)) {
-    throw std::invalid_argument("its stamp is more than 1 s ahead of the clock; synchronise the clocks");
-  }
+  checkHeader(cloud->header, ros::Time::now());
   auto reading = std::make_shared<RadarReading>();
   reading->cloud = cloud;
   reading->view = viewOf(*cloud, reading->fields);

@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 #include "image_messages.h"
@@ -15,12 +14,10 @@ namespace radar_dot {
 /// A picture that is decoded or converted only when somebody asks for it.
 class LazyPicture {
  public:
-  LazyPicture() = default;
   explicit LazyPicture(sensor_msgs::ImageConstPtr raw) : raw_(std::move(raw)) {}
   explicit LazyPicture(sensor_msgs::CompressedImageConstPtr compressed)
       : compressed_(std::move(compressed)) {}
 
-  bool empty() const noexcept { return !raw_ && !compressed_; }
   const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
   /// @throws std::invalid_argument as pictureOf()
   const cv::Mat& pixels() {
@@ -40,12 +37,11 @@ class LazyPicture {
 /// image_transport (raw, compressed).
 class ImageSubscriber : public StreamNodelet {
  protected:
-  /// @throws std::invalid_argument for an image_transport that there is not; raw ones are taken then.
+  /// Reports an image_transport that there is not; raw ones are taken then.
   void checkTransport() {
     const auto transport = getPrivateNodeHandle().param<std::string>("image_transport", "raw");
     if (transport != "raw" && transport != "compressed") {
-      throw std::invalid_argument("image_transport '" + transport +
-                                  "' is not one of raw, compressed; using raw");
+      reportProblem("image_transport '" + transport + "' is not one of raw, compressed; using raw");
     }
   }
   ros::Subscriber listenToImages(InputMonitor& input, std::uint32_t queue_size,

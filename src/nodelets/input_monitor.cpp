@@ -10,10 +10,8 @@ using diagnostic_msgs::DiagnosticStatus;
 
 void checkHeader(const std_msgs::Header& header, const ros::Time& now) {
   if (header.frame_id.empty()) throw std::invalid_argument("its frame_id is empty");
-  if (header.stamp.isZero()) throw std::invalid_argument("its stamp is zero");
-  if (isAhead(header.stamp, now)) {
-    throw std::invalid_argument("its stamp is more than 1 s ahead of the clock; synchronise the clocks");
-  }
+  const std::string defect = stampDefect(header.stamp, now);
+  if (!defect.empty()) throw std::invalid_argument(defect);
 }
 
 bool InputMonitor::accept(const std_msgs::Header& header, const ros::Time& now) {

@@ -167,11 +167,8 @@ void OdometryNodelet::forgetThePast() {
 }
 
 std::string OdometryNodelet::defectOf(const geometry_msgs::TwistWithCovarianceStamped& twist) const {
-  if (twist.header.stamp.isZero()) return "its stamp is zero";
-  if (isAhead(twist.header.stamp, ros::Time::now())) {
-    return "its stamp is more than 1 s ahead of the clock; synchronise the clocks";
-  }
-  return twistDefect(twist, extrinsics_->baseFrame());
+  const std::string defect = stampDefect(twist.header.stamp, ros::Time::now());
+  return defect.empty() ? twistDefect(twist, extrinsics_->baseFrame()) : defect;
 }
 
 void OdometryNodelet::onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) {

@@ -48,12 +48,7 @@ void OpticalFlowNodelet::onInit() {
         }
       },
       [this](const OpticalFlowConfig& config) { configure(config); }, {{"pair_interval", "max_pair_gap"}});
-  try {
-    checkTransport();
-  } catch (const std::invalid_argument& error) {
-    configuration_problem_ = error.what();
-    NODELET_ERROR("%s: %s", getName().c_str(), error.what());
-  }
+  checkTransport();
   compute_timer_ = handle.createWallTimer(
       ros::WallDuration(kNext),
       [this](const ros::WallTimerEvent&) { guard(*image_, [this] { processWaiting(); }); }, true, false);
@@ -98,12 +93,8 @@ void OpticalFlowNodelet::listenForExpectedFlow() {
                                                    depths_.add(depth);
                                                    processWaiting();
                                                  });
-  camera_subscriber_ = listenToLasting<sensor_msgs::CameraInfo>(
-      *camera_input_, "camera_info",
-      [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; });
-  twist_subscriber_ = listen<geometry_msgs::TwistWithCovarianceStamped>(
-      *twist_input_, "ego/twist", 10,
-      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion_->add(*twist); });
+  camera_subscriber_ = listenToCamera(*camera_input_, camera_);
+  twist_subscriber_ = listenToTwists(*twist_input_, *motion_);
 }
 
 void OpticalFlowNodelet::stopListeningForExpectedFlow() {
@@ -232,7 +223,6 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   } else {
     status.summary(DiagnosticStatus::OK, "computing");
   }
-  if (!configuration_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_problem_);
   status.addf("interval of the pair (s)", "%.3f", interval_);
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
   status.addf("latency (ms)", "%.1f", 1e3 * latency_);

@@ -45,7 +45,6 @@ class OpticalFlowNodelet : public ImageSubscriber {
   void compute(const Pair& pair, const cv::Mat& expected);
 
   OpticalFlowConfig config_ = OpticalFlowConfig::__getDefault__();
-  std::string configuration_problem_;
   std::unique_ptr<OpticalFlow> flow_;
   SharedPicture previous_;
   std::optional<Pair> waiting_;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
 namespace radar_dot {
@@ -17,7 +16,6 @@ constexpr double kPatience = 0.3;       // s that a mask waits for what belongs 
 constexpr std::size_t kMaxWaiting = 4;  // masks
 constexpr double kKept = 2.0;           // s of images: as long as the other inputs are kept
 constexpr std::size_t kMaxKept = 40;    // images; raw ones are large
-constexpr std::uint32_t kCloudQueue = 20;
 constexpr double kPanelShape = 9.0 / 16.0;
 constexpr float kNearest = 0.1F;  // m; what is nearer to the camera's plane has no useful pixel
 
@@ -49,12 +47,7 @@ void OverlayNodelet::onInit() {
   static_input_ = &addInput("radar/static", false);
   dynamic_input_ = &addInput("radar/dynamic", false);
 
-  try {
-    checkTransport();
-  } catch (const std::invalid_argument& error) {
-    configuration_problem_ = error.what();
-    NODELET_ERROR("%s: %s", getName().c_str(), error.what());
-  }
+  checkTransport();
   transport_ = std::make_unique<image_transport::ImageTransport>(handle);
   mask_publisher_ = transport_->advertise("overlay/mask", 2);
   panels_publisher_ = transport_->advertise("overlay/six_panel", 2);
@@ -95,21 +88,10 @@ void OverlayNodelet::connect() {
     flows_.add(flow);
     processWaiting();
   }));
-  subscribers_.push_back(listenToLasting<sensor_msgs::CameraInfo>(
-      *camera_input_, "camera_info",
-      [this](const sensor_msgs::CameraInfoConstPtr& camera) { camera_ = camera; }));
-  subscribers_.push_back(listen<geometry_msgs::TwistWithCovarianceStamped>(
-      *twist_input_, "ego/twist", 10,
-      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion_->add(*twist); }));
-  for (const auto& [input, topic, clouds] :
-       {std::make_tuple(static_input_, "radar/static", static_returns_.get()),
-        std::make_tuple(dynamic_input_, "radar/dynamic", dynamic_returns_.get())}) {
-    subscribers_.push_back(listenUnordered<sensor_msgs::PointCloud2>(
-        *input, topic, kCloudQueue,
-        [clouds = clouds, topic = std::string(topic)](const sensor_msgs::PointCloud2ConstPtr& cloud) {
-          clouds->add(topic, *cloud);
-        }));
-  }
+  subscribers_.push_back(listenToCamera(*camera_input_, camera_));
+  subscribers_.push_back(listenToTwists(*twist_input_, *motion_));
+  subscribers_.push_back(listenToClouds(*static_input_, "radar/static", *static_returns_));
+  subscribers_.push_back(listenToClouds(*dynamic_input_, "radar/dynamic", *dynamic_returns_));
 }
 
 void OverlayNodelet::disconnect() {
@@ -251,7 +233,6 @@ void OverlayNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status)
   } else {
     status.summary(DiagnosticStatus::OK, "drawing");
   }
-  if (!configuration_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_problem_);
   status.addf("drawing time (ms)", "%.1f", 1e3 * drawing_time_);
   status.addf("pictures", "%zu", drawn_);
   incomplete_since_report_ = 0;

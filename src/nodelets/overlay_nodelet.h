@@ -57,7 +57,6 @@ class OverlayNodelet : public ImageSubscriber {
   std::vector<RadarPixel> radarPixels(const std_msgs::Header& header);
 
   OverlayConfig config_ = OverlayConfig::__getDefault__();
-  std::string configuration_problem_;
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> static_returns_, dynamic_returns_;

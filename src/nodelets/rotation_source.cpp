@@ -32,10 +32,8 @@ class MessageGate {
   }
   /// @throws std::invalid_argument for a stamp that cannot be used.
   StampGuard::Verdict check(const ros::Time& stamp) {
-    if (stamp.isZero()) throw std::invalid_argument("its stamp is zero");
-    if (isAhead(stamp, ros::Time::now())) {
-      throw std::invalid_argument("its stamp is more than 1 s ahead of the clock; synchronise the clocks");
-    }
+    const std::string defect = stampDefect(stamp, ros::Time::now());
+    if (!defect.empty()) throw std::invalid_argument(defect);
     const StampGuard::Verdict verdict = stamps_.check(stamp);
     if (verdict == StampGuard::Verdict::kStale) {
       throw std::invalid_argument("its stamp is not later than that of the one before");

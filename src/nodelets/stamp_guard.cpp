@@ -15,6 +15,12 @@ bool isAhead(const ros::Time& stamp, const ros::Time& now) {
   return !now.isZero() && stamp.toSec() - now.toSec() > kTimeTolerance;
 }
 
+std::string stampDefect(const ros::Time& stamp, const ros::Time& now) {
+  if (stamp.isZero()) return "its stamp is zero";
+  if (isAhead(stamp, now)) return "its stamp is more than 1 s ahead of the clock; synchronise the clocks";
+  return {};
+}
+
 bool ClockWatch::wentBack(const ros::Time& now) {
   const double time = now.toSec();
   const bool back = latest_ && time < *latest_ - kTimeTolerance;

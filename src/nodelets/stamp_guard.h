@@ -5,6 +5,7 @@
 #include <ros/time.h>
 
 #include <optional>
+#include <string>
 
 namespace radar_dot {
 
@@ -14,6 +15,9 @@ constexpr double kTimeTolerance = 1.0;
 
 /// True when the stamp lies more than kTimeTolerance ahead of the clock. A clock at zero says nothing.
 bool isAhead(const ros::Time& stamp, const ros::Time& now);
+
+/// Why a stamp cannot be used: zero, or ahead of the clock. Empty when it can.
+std::string stampDefect(const ros::Time& stamp, const ros::Time& now);
 
 /// Sees the ROS clock itself go back, as it does when a bag starts again.
 class ClockWatch {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stream_nodelet.h"
 
+#include "cloud_points.h"
+#include "ego_motion.h"
 #include "parameters.h"
 
 namespace radar_dot {
@@ -11,6 +13,8 @@ using diagnostic_updater::DiagnosticStatusWrapper;
 namespace {
 
 constexpr double kAudiencePeriod = 0.05;  // s
+constexpr std::uint32_t kTwistQueue = 20;
+constexpr std::uint32_t kCloudQueue = 20;
 
 }  // namespace
 
@@ -58,9 +62,34 @@ void StreamNodelet::stop(InputMonitor& input, ros::Subscriber& subscriber) {
   input.reset();
 }
 
+ros::Subscriber StreamNodelet::listenToTwists(InputMonitor& input, EgoMotion& motion) {
+  return listen<geometry_msgs::TwistWithCovarianceStamped>(
+      input, "ego/twist", kTwistQueue,
+      [&motion](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion.add(*twist); });
+}
+
+ros::Subscriber StreamNodelet::listenToCamera(InputMonitor& input, sensor_msgs::CameraInfoConstPtr& camera) {
+  return listenToLasting<sensor_msgs::CameraInfo>(
+      input, "camera_info", [&camera](const sensor_msgs::CameraInfoConstPtr& message) { camera = message; });
+}
+
+ros::Subscriber StreamNodelet::listenToClouds(InputMonitor& input, const std::string& topic,
+                                              RecentClouds& clouds) {
+  return listenUnordered<sensor_msgs::PointCloud2>(
+      input, topic, kCloudQueue, [&clouds, &input](const sensor_msgs::PointCloud2ConstPtr& cloud) {
+        clouds.add(input.topic(), *cloud);
+      });
+}
+
+void StreamNodelet::reportProblem(const std::string& problem) {
+  NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
+  problem_ = problem;
+}
+
 void StreamNodelet::reportConfiguration(DiagnosticStatusWrapper& status) const {
   using diagnostic_msgs::DiagnosticStatus;
-  if (!configuration_error_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_error_);
+  for (const std::string& problem : {problem_, configuration_error_})
+    if (!problem.empty()) status.mergeSummary(DiagnosticStatus::ERROR, problem);
 }
 
 void StreamNodelet::warn(const std::string& subject, const std::string& text) {

@@ -6,6 +6,7 @@
 #include <dynamic_reconfigure/server.h>
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
+#include <sensor_msgs/CameraInfo.h>
 
 #include <exception>
 #include <functional>
@@ -19,6 +20,9 @@
 #include "log_throttle.h"
 
 namespace radar_dot {
+
+class EgoMotion;
+class RecentClouds;
 
 /// What the nodelets of the image half have in common: no message ends the process, every input has a
 /// diagnostic that names its topic and what is wrong with it, and a step back of time starts all anew.
@@ -78,11 +82,17 @@ class StreamNodelet : public nodelet::Nodelet {
     return subscriber;
   }
 
+  /// `ego/twist` into `motion`, `camera_info` into `camera`, clouds of any number of sensors into `clouds`:
+  /// what several nodelets listen to.
+  ros::Subscriber listenToTwists(InputMonitor& input, EgoMotion& motion);
+  ros::Subscriber listenToCamera(InputMonitor& input, sensor_msgs::CameraInfoConstPtr& camera);
+  ros::Subscriber listenToClouds(InputMonitor& input, const std::string& topic, RecentClouds& clouds);
+
   /// Serves a dynamic_reconfigure configuration. `apply` throws std::invalid_argument, before it changes
   /// anything, for what makes no sense: then the values from before stay; at start, bad values become their
   /// defaults.
-  template <typename Config>
   /// @param pairs  names of parameters that make sense only together
+  template <typename Config>
   std::unique_ptr<dynamic_reconfigure::Server<Config>> serve(
       std::function<void(const Config&)> check, std::function<void(const Config&)> apply,
       const std::vector<std::vector<std::string>>& pairs = {}) {
@@ -110,6 +120,8 @@ class StreamNodelet : public nodelet::Nodelet {
 
   /// Runs `body`; whatever it throws becomes a refusal of the input.
   void guard(InputMonitor& input, const std::function<void()>& body);
+  /// What is wrong with the parameters for as long as the nodelet runs: an error line, and the diagnostic.
+  void reportProblem(const std::string& problem);
   /// One line per subject, kind and five seconds.
   void warn(const std::string& subject, const std::string& text);
 
@@ -145,7 +157,8 @@ class StreamNodelet : public nodelet::Nodelet {
   std::vector<std::unique_ptr<InputMonitor>> inputs_;
   ClockWatch clock_;
   LogThrottle throttle_;
-  std::string configuration_error_;
+  std::string configuration_error_;  // of the dynamic parameters, until a change of them succeeds
+  std::string problem_;              // of the others
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   ros::WallTimer diagnostics_timer_, audience_timer_;
   bool connected_ = false;
