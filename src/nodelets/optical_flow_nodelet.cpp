@@ -30,7 +30,7 @@ void OpticalFlowNodelet::onInit() {
       getPrivateNodeHandle().param<std::string>("base_frame", "base_link"), handle);
   // Without a source of rotation: its latest sample comes later than the image, and flow would wait for it.
   motion_ = std::make_unique<EgoMotion>(
-      *extrinsics_, [this] { guard(*image_, [this] { processWaiting(); }); },
+      *extrinsics_, [this] { lookAtWaiting(kNext); },
       [this](const std::string& text) { warn("rotation", text); }, true);
   image_ = &addInput("image");
   depth_input_ = &addInput("depth");
@@ -47,17 +47,14 @@ void OpticalFlowNodelet::onInit() {
                                       std::to_string(config.max_pair_gap) + " s)");
         }
       },
-      [this](const OpticalFlowConfig& config) { configure(config); }, {{"pair_interval", "max_pair_gap"}});
+      [this](const OpticalFlowConfig& config) { configure(config); },
+      {{"pair_interval", "max_pair_gap"}});
   checkTransport();
   compute_timer_ = handle.createWallTimer(
       ros::WallDuration(kNext),
       [this](const ros::WallTimerEvent&) { guard(*image_, [this] { processWaiting(); }); }, true, false);
   connectWhile([this] { return publisher_.getNumSubscribers() > 0; }, [this] { connect(); },
                [this] { disconnect(); });
-  waiting_timer_ =
-      handle.createWallTimer(ros::WallDuration(kWaitingPeriod), [this](const ros::WallTimerEvent&) {
-        if (waiting_) guard(*image_, [this] { processWaiting(); });
-      });
 }
 
 void OpticalFlowNodelet::configure(const OpticalFlowConfig& config) {
@@ -91,7 +88,7 @@ void OpticalFlowNodelet::listenForExpectedFlow() {
   depth_subscriber_ = listen<sensor_msgs::Image>(*depth_input_, "depth", kDepthQueue,
                                                  [this](const sensor_msgs::ImageConstPtr& depth) {
                                                    depths_.add(depth);
-                                                   processWaiting();
+                                                   lookAtWaiting(kNext);
                                                  });
   camera_subscriber_ = listenToCamera(*camera_input_, camera_);
   twist_subscriber_ = listenToTwists(*twist_input_, *motion_);
@@ -136,8 +133,15 @@ void OpticalFlowNodelet::onImage(LazyPicture picture) {
   if (waiting_) ++replaced_;
   const bool forward = config_.direction == "forward";
   waiting_ = Pair{forward ? before : current, forward ? current : before, since};
-  // Later images that wait already come first: theirs is the pair to work on.
+  lookAtWaiting(kNext);
+}
+
+void OpticalFlowNodelet::lookAtWaiting(double delay) {
+  if (!waiting_) return;
+  // Its callback lines up behind what is in the queue: images that wait there already make a later pair, and
+  // that is the one to work on.
   compute_timer_.stop();
+  compute_timer_.setPeriod(ros::WallDuration(delay));
   compute_timer_.start();
 }
 
@@ -184,7 +188,10 @@ void OpticalFlowNodelet::processWaiting() {
       missing = error.what();
       may_come = false;
     }
-    if (expected.empty() && may_come) return;
+    if (expected.empty() && may_come) {
+      lookAtWaiting(kWaitingPeriod);
+      return;
+    }
     if (expected.empty()) {
       ++without_start_;
       warn("expected", "flow starts from nothing: " + missing);

@@ -38,6 +38,8 @@ class OpticalFlowNodelet : public ImageSubscriber {
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
   void onImage(LazyPicture picture);
+  /// Has the waiting pair looked at, `delay` s from now.
+  void lookAtWaiting(double delay);
   /// Computes the waiting pair, when what it starts from is there or has been waited for long enough.
   void processWaiting();
   /// Flow of a static world; empty, with the reason in `missing`, when something is not there (yet).
@@ -60,7 +62,7 @@ class OpticalFlowNodelet : public ImageSubscriber {
   ros::Subscriber image_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_;
   ros::Publisher publisher_;
   std::unique_ptr<dynamic_reconfigure::Server<OpticalFlowConfig>> server_;
-  ros::WallTimer waiting_timer_, compute_timer_;
+  ros::WallTimer compute_timer_;
 
   double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;  // s, of the latest pair
   std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0;

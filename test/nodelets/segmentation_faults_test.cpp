@@ -250,6 +250,8 @@ TEST_F(SegmentationFaults, YawRatesThatAreNotObservedGiveNoMask) {
 TEST_F(SegmentationFaults, CameraInfoMayHaveAnyStampAndComeOnce) {
   world_.set([](Frame& frame) { frame.camera.header.stamp = ros::Time(); });
   EXPECT_TRUE(masksComeAnew());
+  // Diagnostics come once a second.
+  EXPECT_TRUE(waitUntil([&] { return diagnostics_.received("segmentation: input camera_info"); }, kPatience));
   EXPECT_EQ(diagnostics_.latest("segmentation: input camera_info").level, DiagnosticStatus::OK);
   world_.set([](Frame& frame) { frame.send_camera = false; });
   ros::WallDuration(1.5).sleep();  // longer than silent_after
