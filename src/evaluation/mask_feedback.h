@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "radar_dot/radar/ego_velocity.h"
+#include "radar_dot/radar/odometry.h"
 #include "radar_dot/vision/camera_intrinsics.h"
 
 namespace radar_dot::evaluation {
@@ -22,15 +23,9 @@ struct StampedMask {
   Eigen::Isometry3d T_camera_from_base = Eigen::Isometry3d::Identity();
 };
 
-/// The velocity estimated last.
-struct StampedVelocity {
-  double time = 0.0;                                  ///< s
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s, base frame
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s, base frame
-};
-
 /// Which returns of a scan lie in a mask taken before it. They are brought to the base frame at the time of
 /// the mask as points of a static world, with a constant velocity.
+/// @param velocity  the one estimated last
 /// @return one value per return: 1 = in the mask, 0 = not
 std::vector<std::uint8_t> returnsInMask(const RadarScan& scan, const StampedMask& mask,
                                         const StampedVelocity& velocity);

@@ -42,11 +42,6 @@ struct LoadedRadar {
   }
 };
 
-/// Where a return lies, m, base frame.
-inline Eigen::Vector3f positionOf(const DopplerReturn& seen, const Eigen::Isometry3d& T_base_from_sensor) {
-  return T_base_from_sensor.cast<float>() * (seen.range * seen.bearing);
-}
-
 /// The scan of a radar nearest to `time`, or nothing beyond `reach` seconds.
 std::optional<std::size_t> nearestScan(const LoadedRadar& radar, double time, double reach);
 

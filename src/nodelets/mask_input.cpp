@@ -132,10 +132,10 @@ std::vector<std::uint8_t> MaskInput::markedBy(const std::vector<DopplerReturn>& 
   const std::optional<Eigen::Isometry3d> T_mask_from_scan =
       velocities_.motion(mask_->header.stamp.toSec(), stamp.toSec(), max_age_, reason);
   if (!T_mask_from_scan) return {};
-  const Eigen::Isometry3f T = (*T_mask_from_scan * T_base_from_sensor).cast<float>();
+  const Eigen::Isometry3d T = *T_mask_from_scan * T_base_from_sensor;
   std::vector<Eigen::Vector3f> points;
   points.reserve(returns.size());
-  for (const DopplerReturn& seen : returns) points.emplace_back(T * (seen.range * seen.bearing));
+  for (const DopplerReturn& seen : returns) points.push_back(positionOf(seen, T));
 
   const Picture mask = pictureOf(mask_);
   const CameraIntrinsics camera = cameraOf(*camera_);

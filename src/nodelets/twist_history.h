@@ -11,6 +11,8 @@
 #include <optional>
 #include <string>
 
+#include "radar_dot/radar/odometry.h"
+
 namespace radar_dot {
 
 /// A component of a twist with this variance or more is not observed, (m/s)^2 or (rad/s)^2.
@@ -20,12 +22,6 @@ inline constexpr double kUnobservedVariance = 1e5;
 std::string twistDefect(const geometry_msgs::TwistWithCovarianceStamped& twist,
                         const std::string& base_frame);
 
-/// Velocity of the base frame, in the base frame.
-struct StampedVelocity {
-  double time = 0.0;                                  ///< s
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s
-};
 /// Of a twist; a vertical motion (vz, wx, wy) that it does not observe is zero.
 StampedVelocity velocityOf(const geometry_msgs::TwistWithCovarianceStamped& twist);
 

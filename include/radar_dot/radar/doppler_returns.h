@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,11 @@ struct DopplerReturn {
   float doppler = 0.F;                                 ///< range rate, m/s: positive when the range grows
   std::uint32_t index = 0;                             ///< record in the cloud it came from
 };
+
+/// Where a return lies, m, base frame.
+inline Eigen::Vector3f positionOf(const DopplerReturn& seen, const Eigen::Isometry3d& T_base_from_sensor) {
+  return T_base_from_sensor.cast<float>() * (seen.range * seen.bearing);
+}
 
 /// Which returns take part. A list that is empty accepts every value; a field that the cloud does
 /// not have switches its filter off.

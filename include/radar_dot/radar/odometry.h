@@ -9,6 +9,13 @@
 
 namespace radar_dot {
 
+/// Velocity of the base frame, in the base frame.
+struct StampedVelocity {
+  double time = 0.0;                                  ///< s
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s
+};
+
 /// Integrates body velocities to a pose: the paper's
 ///     p_{t+1} = p_t + R_t v_t dt,
 /// with the rotation at the middle of the step, which is exact to second order in turns.
