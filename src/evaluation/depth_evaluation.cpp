@@ -74,8 +74,8 @@ DepthReport evaluateDepth(const Tables& tables, Index scene, const DepthEvaluati
     throw std::invalid_argument(fmt::format("truth '{}' is not one of ground_truth, lidar", options.truth));
   }
   const bool by_lidar = options.truth == "lidar";
-  const DepthSource source{options.depth, options.depth_directory, options.working_width,
-                           options.depth_params, by_lidar};
+  const DepthSource source{options.depth,        options.depth_directory,      options.working_width,
+                           options.depth_params, options.depth_radar_channels, by_lidar};
   validate(source);
   const std::vector<Index> images = imagesOf(tables, scene, options);
   const RadarScene radar = loadRadarScene(tables, scene, options.radar_channels, options.extraction);

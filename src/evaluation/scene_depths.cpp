@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -107,9 +108,16 @@ const cv::Mat& SceneDepths::pictureOf(Index row) {
   return image;
 }
 
+bool SceneDepths::seesRadar(const std::string& channel) const {
+  const std::vector<std::string>& chosen = source_.radar_channels;
+  if (chosen.empty()) return source_.backend != "torch" || channel == "RADAR_FRONT";
+  return std::find(chosen.begin(), chosen.end(), channel) != chosen.end();
+}
+
 std::vector<Eigen::Vector3f> SceneDepths::radarPoints(double time) const {
   std::vector<Eigen::Vector3f> points;
   for (const LoadedRadar& radar : radar_.radars) {
+    if (!seesRadar(radar.channel)) continue;
     const std::optional<std::size_t> nearest = nearestScan(radar, time, kSensorReach);
     if (!nearest) continue;
     for (const DopplerReturn& seen : radar.scans[*nearest].returns)
@@ -167,14 +175,13 @@ cv::Mat SceneDepths::computeDepth(Index row) {
   if (source_.backend == "noisy")
     return noisyDepth(trueDepth(row), {}, static_cast<std::uint64_t>(reading(row).timestamp_us));
   DepthInput input;
-  input.image = pictureOf(row);
   input.camera = gridOf(row);
   input.T_base_from_camera = mountOf(reading(row));
-  if (source_.backend == "lidar") {
+  const DepthNeeds needs = depth_->needs();
+  if (needs.image) input.image = pictureOf(row);
+  if (needs.lidar)
     input.lidar_points = lidarPoints(row, source_.half_of_lidar ? LidarPart::kSeen : LidarPart::kAll);
-  } else {
-    input.radar_points = radarPoints(secondsOf(reading(row)));
-  }
+  if (needs.radar) input.radar_points = radarPoints(secondsOf(reading(row)));
   return depth_->estimate(input);
 }
 

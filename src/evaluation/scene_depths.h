@@ -32,6 +32,7 @@ struct DepthSource {
   std::string directory;  ///< for "files"
   int working_width = 0;  ///< px; 0 = the images'
   DepthParams params;
+  std::vector<std::string> radar_channels;  ///< see SegmentationEvaluationOptions::depth_radar_channels
   /// "lidar" sees every second point of each beam, and heldOutDepth the others.
   bool half_of_lidar = false;
 };
@@ -75,6 +76,7 @@ class SceneDepths {
  private:
   enum class LidarPart { kAll, kSeen, kHeldOut };
   cv::Mat computeDepth(dataset::Index row);
+  bool seesRadar(const std::string& channel) const;
   std::vector<Eigen::Vector3f> radarPoints(double time) const;
   const dataset::SampleData* lidarOf(dataset::Index row) const;
   std::vector<Eigen::Vector3f> lidarPoints(dataset::Index row, LidarPart part) const;

@@ -18,7 +18,8 @@ using dataset::DatasetError;
 bool isEstimated(const std::string& backend) { return backend != "ground_truth" && backend != "files"; }
 
 DepthSource depthSourceOf(const SegmentationEvaluationOptions& options) {
-  return {options.depth, options.depth_directory, options.working_width, options.depth_params, false};
+  return {options.depth,        options.depth_directory,      options.working_width,
+          options.depth_params, options.depth_radar_channels, false};
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "depth_nodelet.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
@@ -15,19 +14,11 @@
 namespace radar_dot {
 namespace {
 
-void check(const DepthConfig& config) {
+std::unique_ptr<DepthEstimator> checked(const DepthConfig& config) {
   DepthParams params = depthParams(config);
-  if (config.backend == kTopicBackend) {
-    params.backend = DepthParams{}.backend;  // its other parameters are checked all the same
-  } else {
-    const std::vector<std::string> known = depthBackends();
-    if (std::find(known.begin(), known.end(), config.backend) == known.end()) {
-      std::string names;
-      for (const std::string& name : known) names += name + ", ";
-      throw std::invalid_argument("backend '" + config.backend + "' is not one of " + names + kTopicBackend);
-    }
-  }
-  makeDepthEstimator(params);
+  // The other parameters of somebody else's depth are checked all the same.
+  if (config.backend == kTopicBackend) params.backend = DepthParams{}.backend;
+  return makeDepthEstimator(params);
 }
 
 /// What is no depth becomes NaN. @return share of the pixels that is known
@@ -66,19 +57,29 @@ void DepthNodelet::onInit() {
   depth_input_ = &addInput("depth/input");
   lidar_input_ = &addInput("lidar");
   twist_input_ = &addInput("ego/twist", false);
-  radar_topics_ = {"radar/static", "radar/dynamic"};
-  private_handle.param("radar_topics", radar_topics_, radar_topics_);
-  for (const std::string& topic : radar_topics_) radar_inputs_.push_back(&addInput(topic, false));
+  radars_ = addRadars("radar_topics", {"radar/static", "radar/dynamic"});
+  network_radars_ = addRadars("network_radar_topics", {"radar_front"});
   publisher_ = handle.advertise<sensor_msgs::Image>("depth", 3);
   checkTransport();
   connectWhile([this] { return publisher_.getNumSubscribers() > 0; }, [this] { connectInputs(); },
                [this] { disconnectInputs(); });
-  server_ = serve<DepthConfig>(check, [this](const DepthConfig& config) { configure(config); });
+  server_ = serve<DepthConfig>([this](const DepthConfig& config) { checked_estimator_ = checked(config); },
+                               [this](const DepthConfig& config) { configure(config); },
+                               {{"backend", "model", "device"}});
+}
+
+std::vector<DepthNodelet::RadarTopic> DepthNodelet::addRadars(const std::string& parameter,
+                                                              std::vector<std::string> topics) {
+  getPrivateNodeHandle().param(parameter, topics, topics);
+  std::vector<RadarTopic> radars;
+  for (const std::string& topic : topics) radars.push_back({topic, &addInput(topic, false)});
+  return radars;
 }
 
 void DepthNodelet::configure(const DepthConfig& config) {
   config_ = config;
   estimator_ = config.backend == kTopicBackend ? nullptr : makeDepthEstimator(depthParams(config));
+  checked_estimator_.reset();
   if (connected() && connected_backend_ != config.backend) {
     disconnectInputs();
     connectInputs();
@@ -89,7 +90,8 @@ void DepthNodelet::disconnectInputs() {
   subscribers_.clear();
   image_subscriber_ = {};
   std::vector<InputMonitor*> inputs = {image_, camera_input_, depth_input_, lidar_input_, twist_input_};
-  inputs.insert(inputs.end(), radar_inputs_.begin(), radar_inputs_.end());
+  for (const auto& [topic, input] : radars_) inputs.push_back(input);
+  for (const auto& [topic, input] : network_radars_) inputs.push_back(input);
   for (InputMonitor* input : inputs) {
     input->setTopic({});
     input->reset();
@@ -110,12 +112,11 @@ void DepthNodelet::connectInputs() {
       listenToImages(*image_, 3, [this](LazyPicture picture) { onImage(std::move(picture)); });
   subscribers_.push_back(listenToCamera(*camera_input_, camera_));
   subscribers_.push_back(listenToTwists(*twist_input_, *motion_));
-  if (config_.backend == "lidar") {
-    subscribers_.push_back(listenToClouds(*lidar_input_, "lidar", *lidar_clouds_));
-    return;
-  }
-  for (std::size_t i = 0; i < radar_topics_.size(); ++i)
-    subscribers_.push_back(listenToClouds(*radar_inputs_[i], radar_topics_[i], *radar_clouds_));
+  const DepthNeeds needs = estimator_->needs();
+  if (needs.lidar) subscribers_.push_back(listenToClouds(*lidar_input_, "lidar", *lidar_clouds_));
+  if (!needs.radar) return;
+  for (const auto& [topic, input] : config_.backend == "torch" ? network_radars_ : radars_)
+    subscribers_.push_back(listenToClouds(*input, topic, *radar_clouds_));
 }
 
 void DepthNodelet::forgetThePast() {
@@ -140,16 +141,16 @@ void DepthNodelet::onImage(LazyPicture picture) {
   const cv::Size grid = workingGrid({camera.width, camera.height}, config_.working_width);
   input.camera = camera.scaledTo(grid.width, grid.height);
   input.T_base_from_camera = *T_base_from_camera;
-  if (config_.image_edges) input.image = picture.pixels();
-  if (config_.backend == "lidar") {
+  const DepthNeeds needs = estimator_->needs();
+  if (needs.image) input.image = picture.pixels();
+  if (needs.lidar) {
     input.lidar_points = lidar_clouds_->positionsAt(header.stamp, config_.lidar_max_age);
     if (input.lidar_points.empty()) {
       throw std::invalid_argument("no sweep on '" + lidar_input_->topic() + "' within " +
                                   std::to_string(config_.lidar_max_age) + " s of it (lidar_max_age)");
     }
-  } else {
-    input.radar_points = radar_clouds_->positionsAt(header.stamp, config_.radar_max_age);
   }
+  if (needs.radar) input.radar_points = radar_clouds_->positionsAt(header.stamp, config_.radar_max_age);
   points_ = input.lidar_points.size() + input.radar_points.size();
   cv::Mat depth = estimator_->estimate(input);
   known_share_ = clean(depth, config_.max_depth);

@@ -20,7 +20,14 @@ namespace radar_dot {
 /// Clouds are brought to the time of the image by the vehicle's own motion, where ego/twist tells it.
 class DepthNodelet : public ImageSubscriber {
  private:
+  struct RadarTopic {
+    std::string topic;
+    InputMonitor* input;
+  };
+
   void onInit() override;
+  /// The topics of a private parameter, as inputs.
+  std::vector<RadarTopic> addRadars(const std::string& parameter, std::vector<std::string> topics);
   void configure(const DepthConfig& config);
   void connectInputs();
   void disconnectInputs();
@@ -35,6 +42,8 @@ class DepthNodelet : public ImageSubscriber {
   std::string connected_backend_;  // whose inputs are subscribed
   ros::WallTime last_depth_;
   std::unique_ptr<DepthEstimator> estimator_;  // none: the backend "topic"
+  std::unique_ptr<DepthEstimator>
+      checked_estimator_;  // until it is in use: its network need not be loaded twice
 
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
@@ -43,8 +52,8 @@ class DepthNodelet : public ImageSubscriber {
 
   InputMonitor *image_ = nullptr, *camera_input_ = nullptr, *twist_input_ = nullptr, *lidar_input_ = nullptr,
                *depth_input_ = nullptr;
-  std::vector<InputMonitor*> radar_inputs_;
-  std::vector<std::string> radar_topics_;
+  std::vector<RadarTopic> radars_;
+  std::vector<RadarTopic> network_radars_;  // of the backend "torch": what its networks are trained with
   std::vector<ros::Subscriber> subscribers_;
   ros::Subscriber image_subscriber_;
   ros::Publisher publisher_;

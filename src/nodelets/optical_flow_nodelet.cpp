@@ -39,8 +39,8 @@ void OpticalFlowNodelet::onInit() {
   publisher_ = handle.advertise<Flow>("flow", 3);
 
   server_ = serve<OpticalFlowConfig>(
-      [](const OpticalFlowConfig& config) {
-        makeOpticalFlow(opticalFlowParams(config));
+      [this](const OpticalFlowConfig& config) {
+        checked_flow_ = makeOpticalFlow(opticalFlowParams(config));
         if (!(config.pair_interval < config.max_pair_gap)) {
           throw std::invalid_argument("pair_interval (" + std::to_string(config.pair_interval) +
                                       " s) must be smaller than max_pair_gap (" +
@@ -48,7 +48,7 @@ void OpticalFlowNodelet::onInit() {
         }
       },
       [this](const OpticalFlowConfig& config) { configure(config); },
-      {{"pair_interval", "max_pair_gap"}});
+      {{"pair_interval", "max_pair_gap"}, {"backend", "model", "device", "network_width", "network_height"}});
   checkTransport();
   compute_timer_ = handle.createWallTimer(
       ros::WallDuration(kNext),
@@ -60,6 +60,7 @@ void OpticalFlowNodelet::onInit() {
 void OpticalFlowNodelet::configure(const OpticalFlowConfig& config) {
   config_ = config;
   flow_ = makeOpticalFlow(opticalFlowParams(config));
+  checked_flow_.reset();
   waiting_.reset();
   followInitialisation();
 }

@@ -48,6 +48,7 @@ class OpticalFlowNodelet : public ImageSubscriber {
 
   OpticalFlowConfig config_ = OpticalFlowConfig::__getDefault__();
   std::unique_ptr<OpticalFlow> flow_;
+  std::unique_ptr<OpticalFlow> checked_flow_;  // until it is in use: its network need not be loaded twice
   SharedPicture previous_;
   std::optional<Pair> waiting_;
 

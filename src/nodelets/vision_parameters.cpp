@@ -3,6 +3,18 @@
 #include "vision_parameters.h"
 
 namespace radar_dot {
+namespace {
+
+template <typename Config>
+NetworkParams networkParams(const Config& config) {
+  NetworkParams params;
+  params.model = config.model;
+  params.device = config.device;
+  params.threads = config.threads;
+  return params;
+}
+
+}  // namespace
 
 OpticalFlowParams opticalFlowParams(const OpticalFlowConfig& config) {
   OpticalFlowParams params;
@@ -13,6 +25,9 @@ OpticalFlowParams opticalFlowParams(const OpticalFlowConfig& config) {
   params.forward_backward = config.forward_backward;
   params.forward_backward_absolute = config.forward_backward_absolute;
   params.forward_backward_relative = config.forward_backward_relative;
+  params.network = networkParams(config);
+  params.network_width = config.network_width;
+  params.network_height = config.network_height;
   return params;
 }
 
@@ -29,6 +44,7 @@ DepthParams depthParams(const DepthConfig& config) {
   params.background_depth = config.background_depth;
   params.background_angle = config.background_angle;
   params.completion_kernel = config.completion_kernel;
+  params.network = networkParams(config);
   return params;
 }
 

@@ -4,16 +4,21 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "radar_dot/vision/depth_estimator.h"
 
 namespace radar_dot::tools {
 
 /// Where depth comes from: options of the evaluators that need it.
-inline void declareDepthSource(CLI::App& app, std::string& backend, std::string& directory) {
-  app.add_option("--depth", backend, "radar_ground, lidar, ground_truth, noisy, files")
+inline void declareDepthSource(CLI::App& app, std::string& backend, std::string& directory,
+                               std::vector<std::string>& radar_channels) {
+  app.add_option("--depth", backend, "radar_ground, lidar, torch, ground_truth, noisy, files")
       ->capture_default_str();
   app.add_option("--depth-directory", directory, "Folder of 16-bit PNG depths, for --depth files");
+  app.add_option("--depth-radars", radar_channels,
+                 "Radars that depth sees, comma-separated (default: RADAR_FRONT for torch, else all)")
+      ->delimiter(',');
 }
 
 /// Parameters of its backends.
@@ -27,6 +32,8 @@ inline void declareDepthParams(CLI::App& app, DepthParams& depth) {
       ->capture_default_str();
   app.add_option("--background-angle", depth.background_angle, "rad (radar_ground)")->capture_default_str();
   app.add_option("--completion-kernel", depth.completion_kernel, "px (lidar)")->capture_default_str();
+  app.add_option("--depth-model", depth.network.model,
+                 "TorchScript file, of export_justdepth.py (--depth torch)");
 }
 
 /// The grid that flow, depth and masks are on.

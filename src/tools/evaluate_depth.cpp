@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "depth_options.h"
+#include "network_options.h"
 #include "radar_dot/evaluation/depth_evaluation.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "result_files.h"
@@ -45,9 +46,11 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--max-images", options.max_images, "The first ones of each scene; 0 = all")
       ->check(CLI::Range(0, 1000000000))
       ->capture_default_str();
-  radar_dot::tools::declareDepthSource(app, options.depth, options.depth_directory);
+  radar_dot::tools::declareDepthSource(app, options.depth, options.depth_directory,
+                                       options.depth_radar_channels);
   radar_dot::tools::declareGrid(app, options.working_width);
   radar_dot::tools::declareDepthParams(app, options.depth_params);
+  radar_dot::tools::declareDevice(app, {&options.depth_params.network});
   arguments.files.declare(app);
 }
 

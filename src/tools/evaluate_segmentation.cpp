@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "depth_options.h"
+#include "network_options.h"
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
 #include "radar_dot/evaluation/loop_comparison.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
@@ -50,9 +51,10 @@ void declareInputs(CLI::App& app, Arguments& arguments) {
   app.add_option("--max-pairs", options.max_pairs, "The first ones of each scene; 0 = all")
       ->check(CLI::Range(0, 1000000000))
       ->capture_default_str();
-  app.add_option("--flow", options.flow, "dis, ground_truth, files")->capture_default_str();
+  app.add_option("--flow", options.flow, "dis, torch, ground_truth, files")->capture_default_str();
   app.add_option("--flow-directory", options.flow_directory, "Folder of 16-bit PNG flows, for --flow files");
-  radar_dot::tools::declareDepthSource(app, options.depth, options.depth_directory);
+  radar_dot::tools::declareDepthSource(app, options.depth, options.depth_directory,
+                                       options.depth_radar_channels);
   app.add_option("--velocity", options.velocity, "radar, radar_start, ground_truth")->capture_default_str();
   app.add_option("--rotation", options.rotation, "ground_truth (the paper), radar")->capture_default_str();
   radar_dot::tools::declareGrid(app, options.working_width);
@@ -93,6 +95,8 @@ void declareMethod(CLI::App& app, SegmentationEvaluationOptions& options) {
   app.add_flag("--forward-backward,!--no-forward-backward", flow.forward_backward,
                "Exclude pixels whose flow there and back does not close (default: off)");
   radar_dot::tools::declareDepthParams(app, options.depth_params);
+  radar_dot::tools::declareFlowNetwork(app, flow);
+  radar_dot::tools::declareDevice(app, {&flow.network, &options.depth_params.network});
 }
 
 void declareLoop(CLI::App& app, Arguments& arguments) {

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/vision/depth_estimator.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
+#include "backend_registry.h"
 #include "depth_backends.h"
 #include "parameter_checks.h"
 
@@ -32,17 +32,25 @@ void validate(const DepthParams& params) {
                  params.completion_kernel, "between 1 and 199 px");
 }
 
+using Registry = BackendRegistry<DepthEstimatorFactory>;
+
+Registry& registry() {
+  static Registry instance("depth", {{"lidar", makeLidarDepth}, {"radar_ground", makeRadarGroundDepth}});
+  return instance;
+}
+
 }  // namespace
 
 std::unique_ptr<DepthEstimator> makeDepthEstimator(const DepthParams& params) {
   validate(params);
-  if (params.backend == "radar_ground") return makeRadarGroundDepth(params);
-  if (params.backend == "lidar") return makeLidarDepth(params);
-  throw std::invalid_argument(
-      fmt::format("depth: no backend '{}'; there are: lidar, radar_ground", params.backend));
+  return registry().find(params.backend)(params);
 }
 
-std::vector<std::string> depthBackends() { return {"lidar", "radar_ground"}; }
+void registerDepthEstimator(const std::string& backend, DepthEstimatorFactory factory) {
+  registry().add(backend, std::move(factory));
+}
+
+std::vector<std::string> depthBackends() { return registry().names(); }
 
 cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
                     double height, double pitch, double max_depth) {

@@ -77,6 +77,8 @@ class LidarDepth : public DepthEstimator {
  public:
   explicit LidarDepth(const DepthParams& params) : params_(params) {}
 
+  DepthNeeds needs() const override { return {false, false, true}; }
+
   cv::Mat estimate(const DepthInput& input) override {
     if (input.lidar_points.empty()) {
       throw std::invalid_argument(

@@ -6,25 +6,21 @@
 
 #include <cmath>
 #include <cstdint>
-#include <map>
-#include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
 
+#include "backend_registry.h"
 #include "dis_flow.h"
 #include "warp.h"
 
 namespace radar_dot {
 namespace {
 
-struct Registry {
-  std::mutex mutex;
-  std::map<std::string, OpticalFlowFactory> factories = {{"dis", makeDisFlow}};
-};
+using Registry = BackendRegistry<OpticalFlowFactory>;
 
 Registry& registry() {
-  static Registry instance;
+  static Registry instance("optical flow", {{"dis", makeDisFlow}});
   return instance;
 }
 
@@ -45,37 +41,14 @@ std::unique_ptr<OpticalFlow> makeOpticalFlow(const OpticalFlowParams& params) {
     throw std::invalid_argument(fmt::format("optical flow: working_width is {}", params.working_width));
   if (!(params.forward_backward_absolute >= 0.0) || !(params.forward_backward_relative >= 0.0))
     throw std::invalid_argument("optical flow: the tolerances of forward_backward must be zero or positive");
-  OpticalFlowFactory factory;
-  {
-    Registry& known = registry();
-    const std::lock_guard<std::mutex> lock(known.mutex);
-    const auto found = known.factories.find(params.backend);
-    if (found != known.factories.end()) factory = found->second;
-  }
-  if (!factory) {
-    std::string names;
-    for (const std::string& name : opticalFlowBackends()) names += (names.empty() ? "" : ", ") + name;
-    throw std::invalid_argument(
-        fmt::format("optical flow: no backend '{}'; there are: {}", params.backend, names));
-  }
-  return factory(params);
+  return registry().find(params.backend)(params);
 }
 
 void registerOpticalFlow(const std::string& backend, OpticalFlowFactory factory) {
-  if (backend.empty() || !factory)
-    throw std::invalid_argument("optical flow: a backend needs a name and a factory to be registered");
-  Registry& known = registry();
-  const std::lock_guard<std::mutex> lock(known.mutex);
-  known.factories[backend] = std::move(factory);
+  registry().add(backend, std::move(factory));
 }
 
-std::vector<std::string> opticalFlowBackends() {
-  Registry& known = registry();
-  const std::lock_guard<std::mutex> lock(known.mutex);
-  std::vector<std::string> names;
-  for (const auto& [name, factory] : known.factories) names.push_back(name);
-  return names;
-}
+std::vector<std::string> opticalFlowBackends() { return registry().names(); }
 
 cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
                              double relative) {

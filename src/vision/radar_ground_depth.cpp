@@ -116,6 +116,8 @@ class RadarGroundDepth : public DepthEstimator {
  public:
   explicit RadarGroundDepth(const DepthParams& params) : params_(params) {}
 
+  DepthNeeds needs() const override { return {params_.image_edges, true, false}; }
+
   cv::Mat estimate(const DepthInput& input) override {
     cv::Mat depth = groundDepth(input.camera, input.T_base_from_camera, params_.ground_height,
                                 params_.ground_pitch, params_.max_depth);

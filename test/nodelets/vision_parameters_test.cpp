@@ -25,6 +25,12 @@ std::vector<std::string> offered(const std::string& name) {
   return values;
 }
 
+void expectEqual(const NetworkParams& params, const NetworkParams& expected) {
+  EXPECT_EQ(params.model, expected.model);
+  EXPECT_EQ(params.device, expected.device);
+  EXPECT_EQ(params.threads, expected.threads);
+}
+
 void expectEqual(const OpticalFlowParams& params, const OpticalFlowParams& expected) {
   EXPECT_EQ(params.backend, expected.backend);
   EXPECT_EQ(params.working_width, expected.working_width);
@@ -33,6 +39,9 @@ void expectEqual(const OpticalFlowParams& params, const OpticalFlowParams& expec
   EXPECT_EQ(params.forward_backward, expected.forward_backward);
   EXPECT_EQ(params.forward_backward_absolute, expected.forward_backward_absolute);
   EXPECT_EQ(params.forward_backward_relative, expected.forward_backward_relative);
+  expectEqual(params.network, expected.network);
+  EXPECT_EQ(params.network_width, expected.network_width);
+  EXPECT_EQ(params.network_height, expected.network_height);
 }
 
 void expectEqual(const DepthParams& params, const DepthParams& expected) {
@@ -47,6 +56,7 @@ void expectEqual(const DepthParams& params, const DepthParams& expected) {
   EXPECT_EQ(params.background_depth, expected.background_depth);
   EXPECT_EQ(params.background_angle, expected.background_angle);
   EXPECT_EQ(params.completion_kernel, expected.completion_kernel);
+  expectEqual(params.network, expected.network);
 }
 
 void expectEqual(const MotionParams& params, const MotionParams& expected) {
@@ -88,6 +98,11 @@ TEST(VisionParameters, EveryParameterOfOpticalFlowArrives) {
   config.forward_backward = expected.forward_backward = true;
   config.forward_backward_absolute = expected.forward_backward_absolute = 0.75;
   config.forward_backward_relative = expected.forward_backward_relative = 0.125;
+  config.model = expected.network.model = "flow.pt";
+  config.device = expected.network.device = "cpu";
+  config.threads = expected.network.threads = 3;
+  config.network_width = expected.network_width = 512;
+  config.network_height = expected.network_height = 288;
   expectEqual(opticalFlowParams(config), expected);
 }
 
@@ -105,6 +120,9 @@ TEST(VisionParameters, EveryParameterOfDepthArrives) {
   config.background_depth = expected.background_depth = 55.0;
   config.background_angle = expected.background_angle = 0.2;
   config.completion_kernel = expected.completion_kernel = 33;
+  config.model = expected.network.model = "depth.pt";
+  config.device = expected.network.device = "cuda:1";
+  config.threads = expected.network.threads = 4;
   expectEqual(depthParams(config), expected);
 }
 

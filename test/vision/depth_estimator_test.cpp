@@ -211,6 +211,33 @@ TEST(LidarDepth, WideGapsStayOpen) {
   EXPECT_TRUE(std::isnan(makeDepthEstimator(params)->estimate(in).at<float>(130, 200)));
 }
 
+TEST(DepthEstimator, BackendsPlugInByName) {
+  struct Wall : DepthEstimator {
+    cv::Mat estimate(const DepthInput& input) override {
+      return cv::Mat(input.camera.height, input.camera.width, CV_32FC1, cv::Scalar(8.0));
+    }
+    DepthNeeds needs() const override { return {}; }
+  };
+  registerDepthEstimator("wall", [](const DepthParams&) { return std::make_unique<Wall>(); });
+  DepthParams params;
+  params.backend = "wall";
+  EXPECT_FLOAT_EQ(makeDepthEstimator(params)->estimate(input()).at<float>(5, 5), 8.0F);
+  EXPECT_EQ(depthBackends(), (std::vector<std::string>{"lidar", "radar_ground", "wall"}));
+  EXPECT_THROW(registerDepthEstimator("", [](const DepthParams&) { return std::make_unique<Wall>(); }),
+               std::invalid_argument);
+}
+
+TEST(DepthEstimator, SaysWhatItLooksAt) {
+  DepthParams params;
+  EXPECT_TRUE(makeDepthEstimator(params)->needs().radar);
+  EXPECT_FALSE(makeDepthEstimator(params)->needs().image);
+  params.image_edges = true;
+  EXPECT_TRUE(makeDepthEstimator(params)->needs().image);
+  params.backend = "lidar";
+  EXPECT_TRUE(makeDepthEstimator(params)->needs().lidar);
+  EXPECT_FALSE(makeDepthEstimator(params)->needs().radar);
+}
+
 TEST(DepthEstimator, RefusalsSayWhatIsWrong) {
   const auto expect = [](const DepthParams& params, const char* part) {
     test::expectRefusal<std::invalid_argument>([&params] { makeDepthEstimator(params)->estimate(input()); },

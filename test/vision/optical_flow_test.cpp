@@ -201,6 +201,23 @@ TEST(OpticalFlow, BackendsPlugInByName) {
   EXPECT_THROW(registerOpticalFlow("none", {}), std::invalid_argument);
 }
 
+TEST(OpticalFlow, NamesOfBackendsLeadNowhereElse) {
+  for (const char* name : {"../dis", "a/b", "", "Torch"}) {
+    OpticalFlowParams params;
+    params.backend = name;
+    test::expectRefusal<std::invalid_argument>([&params] { makeOpticalFlow(params); }, {"no backend", "dis"});
+  }
+}
+
+#ifndef RADAR_DOT_HAS_TORCH
+TEST(OpticalFlow, WithoutLibtorchTheRefusalSaysHowToGetIt) {
+  OpticalFlowParams params;
+  params.backend = "torch";
+  test::expectRefusal<std::invalid_argument>([&params] { makeOpticalFlow(params); },
+                                             {"no backend 'torch'", "libtorch-dev", "Torch_DIR"});
+}
+#endif
+
 void expectRefusal(const OpticalFlowParams& params, const std::string& part) {
   test::expectRefusal<std::invalid_argument>([&params] { makeOpticalFlow(params); }, {part});
 }

@@ -26,8 +26,9 @@ struct DepthEvaluationOptions {
   /// sweep is moved to the time of the image as if the world were static, and what lidar sees beside an
   /// object that hides it from the camera stays in.
   std::string truth = "ground_truth";
-  int working_width = 800;                  ///< px, of the grid of both depths; 0 = that of the images
-  std::vector<std::string> radar_channels;  ///< empty = every radar of the scene
+  int working_width = 800;                        ///< px, of the grid of both depths; 0 = that of the images
+  std::vector<std::string> radar_channels;        ///< empty = every radar of the scene
+  std::vector<std::string> depth_radar_channels;  ///< see SegmentationEvaluationOptions
   ExtractionParams extraction;
   DepthParams depth_params;
 };

@@ -41,6 +41,9 @@ struct SegmentationEvaluationOptions {
   std::string rotation = "ground_truth";  ///< "ground_truth" (as in the paper), "radar"
   int working_width = 800;                ///< px, of the grid of flow, depth and mask; 0 = that of the images
   std::vector<std::string> radar_channels;  ///< empty = every radar of the scene
+  /// Those of them that depth sees; empty = RADAR_FRONT for the backend "torch", whose networks are trained
+  /// with it, and all for the others.
+  std::vector<std::string> depth_radar_channels;
   ExtractionParams extraction;
   EgoVelocityParams estimator;
   OpticalFlowParams optical_flow;

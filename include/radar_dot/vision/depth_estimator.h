@@ -4,12 +4,14 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
 #include "radar_dot/vision/camera_intrinsics.h"
+#include "radar_dot/vision/network_params.h"
 
 namespace radar_dot {
 
@@ -22,9 +24,14 @@ struct DepthInput {
   std::vector<Eigen::Vector3f> lidar_points;  ///< m, base frame, at the time of the image
 };
 
-/// Parameters of makeDepthEstimator.
+/// The parts of DepthInput that an estimator looks at, besides the camera.
+struct DepthNeeds {
+  bool image = false, radar = false, lidar = false;
+};
+
+/// Parameters of makeDepthEstimator; a backend ignores what it does not know.
 struct DepthParams {
-  std::string backend = "radar_ground";  ///< "radar_ground", "lidar"
+  std::string backend = "radar_ground";  ///< "radar_ground"; "lidar"; "torch", a network; or a registered one
   double max_depth = 120.0;              ///< m; farther is unknown
 
   // radar_ground
@@ -45,6 +52,8 @@ struct DepthParams {
   /// px at 1600 px image width: largest gap between points that is filled. Beams of a 32-beam lidar are
   /// 30 px apart.
   int completion_kernel = 40;
+
+  NetworkParams network;  ///< torch: with JustDepth's signature, see just_depth.h
 };
 
 /// Metric depth (m along the optical axis, CV_32FC1) on the grid of the input's camera; NaN = unknown.
@@ -53,11 +62,19 @@ class DepthEstimator {
   virtual ~DepthEstimator() = default;
   /// @throws std::invalid_argument when what this estimator needs is not there, saying what.
   virtual cv::Mat estimate(const DepthInput& input) = 0;
+  virtual DepthNeeds needs() const = 0;
 };
 
-/// @throws std::invalid_argument for parameters that make no sense, or another backend, with the names at
-/// hand.
+/// Makes the backend `params.backend`. One that is not registered is looked for in the shared library
+/// `libradar_dot_backend_<name>.so`, beside this one or where the loader looks, which registers it.
+/// @throws std::invalid_argument for parameters that make no sense, or a backend that is not there, with the
+///         names of those that are.
 std::unique_ptr<DepthEstimator> makeDepthEstimator(const DepthParams& params = {});
+
+/// Adds a backend, or replaces one, for every later makeDepthEstimator. Thread-safe.
+using DepthEstimatorFactory = std::function<std::unique_ptr<DepthEstimator>(const DepthParams&)>;
+void registerDepthEstimator(const std::string& backend, DepthEstimatorFactory factory);
+/// Names of the backends at hand, sorted.
 std::vector<std::string> depthBackends();
 
 /// Depth of the ground plane (z = height in the base frame, turned by pitch about the base's y axis): NaN at

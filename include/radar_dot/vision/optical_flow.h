@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/vision/network_params.h"
+
 namespace radar_dot {
 
 /// Optical flow on a grid that may be coarser than the images.
@@ -19,9 +21,9 @@ struct FlowField {
 
 /// Parameters of makeOpticalFlow; a backend ignores what it does not know.
 struct OpticalFlowParams {
-  std::string backend = "dis";
-  /// px, width of the grid that flow is computed on; 0 = that of the images. Half the resolution of a
-  /// 1600x900 camera costs a fifth, and on soft images loses little.
+  std::string backend = "dis";  ///< "dis"; "torch", a network; or what was registered
+  /// px, width of the grid of the flow; 0 = that of the images. "dis" computes on it: half the resolution of
+  /// a 1600x900 camera costs a fifth, and on soft images loses little.
   int working_width = 800;
   /// "ultrafast", "fast", "medium": OpenCV's; "fine": finest scale 0, patch stride 3, 50 gradient-descent
   /// and 10 variational iterations, three to six times as slow, with 0.6 to 0.8 of the error.
@@ -35,6 +37,12 @@ struct OpticalFlowParams {
   /// A pixel is valid where |f(p) + b(p + f(p))| <= absolute + relative (|f| + |b|), px of the grid.
   double forward_backward_absolute = 1.0;
   double forward_backward_relative = 0.05;
+
+  // torch
+  NetworkParams network;
+  /// px, size of the images that the network gets, whatever their shape; multiples of 8.
+  int network_width = 640;
+  int network_height = 360;
 };
 
 /// Dense optical flow between two images of equal size, CV_8UC3 (BGR) or CV_8UC1. Not thread-safe; may keep
@@ -53,7 +61,8 @@ class OpticalFlow {
   virtual void reset() {}
 };
 
-/// Makes the backend `params.backend`.
+/// Makes the backend `params.backend`. One that is not registered is looked for in the shared library
+/// `libradar_dot_backend_<name>.so`, beside this one or where the loader looks, which registers it.
 /// @throws std::invalid_argument for parameters that make no sense, or a backend that is not there, with the
 ///         names of those that are.
 std::unique_ptr<OpticalFlow> makeOpticalFlow(const OpticalFlowParams& params = {});

@@ -1,0 +1,147 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/vision/grid_flow.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "radar_dot/vision/camera_intrinsics.h"
+#include "warp.h"
+
+namespace radar_dot {
+namespace {
+
+void requireImage(const cv::Mat& image, const char* name) {
+  if (image.empty()) throw std::invalid_argument(fmt::format("optical flow: the {} image is empty", name));
+  if (image.type() != CV_8UC3 && image.type() != CV_8UC1) {
+    throw std::invalid_argument(
+        fmt::format("optical flow: the {} image must be CV_8UC3 (BGR) or CV_8UC1", name));
+  }
+}
+
+/// Flow where it is not known is taken from its surroundings, so that a start value has no cracks.
+cv::Mat fillUnknown(const cv::Mat& flow) {
+  cv::Mat filled(flow.size(), CV_32FC2);
+  cv::Mat known(flow.size(), CV_32FC1);
+  bool complete = true;
+  for (int row = 0; row < flow.rows; ++row) {
+    const auto* given = flow.ptr<cv::Vec2f>(row);
+    auto* out = filled.ptr<cv::Vec2f>(row);
+    auto* is_known = known.ptr<float>(row);
+    for (int column = 0; column < flow.cols; ++column) {
+      const bool finite = std::isfinite(given[column][0] + given[column][1]);
+      out[column] = finite ? given[column] : cv::Vec2f(0.0F, 0.0F);
+      is_known[column] = finite ? 1.0F : 0.0F;
+      complete = complete && finite;
+    }
+  }
+  if (complete) return filled;
+  // The surroundings are far: a coarse grid tells them as well, and quicker.
+  constexpr int kCoarser = 8;
+  const cv::Size coarse(std::max(1, flow.cols / kCoarser), std::max(1, flow.rows / kCoarser));
+  cv::Mat sum, weight;
+  cv::resize(filled, sum, coarse, 0.0, 0.0, cv::INTER_AREA);
+  cv::resize(known, weight, coarse, 0.0, 0.0, cv::INTER_AREA);
+  const cv::Size window(coarse.width / 8 | 1, coarse.height / 8 | 1);
+  cv::boxFilter(sum, sum, -1, window);
+  cv::boxFilter(weight, weight, -1, window);
+  for (int row = 0; row < flow.rows; ++row) {
+    const int there = std::min(row * coarse.height / flow.rows, coarse.height - 1);
+    const auto* sums = sum.ptr<cv::Vec2f>(there);
+    const auto* weights = weight.ptr<float>(there);
+    const auto* is_known = known.ptr<float>(row);
+    auto* out = filled.ptr<cv::Vec2f>(row);
+    for (int column = 0; column < flow.cols; ++column) {
+      if (is_known[column] > 0.0F) continue;
+      const int cell = column * coarse.width / flow.cols;
+      if (weights[cell] > 1e-3F) out[column] = sums[cell] * (1.0F / weights[cell]);
+    }
+  }
+  return filled;
+}
+
+/// The way back, at the pixels of the second image that the flow leads to; NaN at those that it does not.
+cv::Mat reversed(const cv::Mat& flow) {
+  cv::Mat back(flow.size(), CV_32FC2, cv::Scalar::all(std::nan("")));
+  for (int row = 0; row < flow.rows; ++row) {
+    for (int column = 0; column < flow.cols; ++column) {
+      const auto& vector = flow.at<cv::Vec2f>(row, column);
+      const float u = static_cast<float>(column) + vector[0];
+      const float v = static_cast<float>(row) + vector[1];
+      if (!(u > -0.5F && v > -0.5F && u < static_cast<float>(flow.cols) - 0.5F &&
+            v < static_cast<float>(flow.rows) - 0.5F))
+        continue;
+      // Where two lead to the same place, the one that moves more is usually the nearer.
+      auto& there = back.at<cv::Vec2f>(static_cast<int>(std::lround(v)), static_cast<int>(std::lround(u)));
+      if (!(there.dot(there) >= vector.dot(vector))) there = -vector;
+    }
+  }
+  return back;
+}
+
+}  // namespace
+
+GridFlow::GridFlow(OpticalFlowParams params, Images images) : params_(std::move(params)), images_(images) {}
+
+FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const cv::Mat& expected) {
+  requireImage(first, "first");
+  requireImage(second, "second");
+  if (first.size() != second.size()) {
+    throw std::invalid_argument(
+        fmt::format("optical flow: the images have {} x {} and {} x {} px; they must agree", first.cols,
+                    first.rows, second.cols, second.rows));
+  }
+  const cv::Size grid = gridOf(first.size());
+  const cv::Mat first_on_grid = prepared(first, grid);
+  const cv::Mat second_on_grid = prepared(second, grid);
+  const cv::Mat start = startValue(grid, expected);
+  const cv::Mat there = runFrom(start, first_on_grid, second_on_grid);
+  const cv::Size wanted = workingGrid(first.size(), params_.working_width);
+  FlowField field;
+  field.flow = there.size() == wanted ? there : resizeFlow(there, wanted);
+  if (params_.forward_backward) {
+    const cv::Mat start_back = start.empty() ? cv::Mat() : fillUnknown(reversed(start));
+    const cv::Mat back = runFrom(start_back, second_on_grid, first_on_grid);
+    field.valid = forwardBackwardValid(field.flow, resizeFlow(back, wanted),
+                                       params_.forward_backward_absolute, params_.forward_backward_relative);
+  }
+  if (params_.initialisation == "temporal") previous_ = there.clone();
+  return field;
+}
+
+cv::Mat GridFlow::prepared(const cv::Mat& image, const cv::Size& grid) const {
+  const int channels = images_ == Images::kGrey ? 1 : 3;
+  cv::Mat converted = image;
+  // The smaller number of channels is the cheaper one to resize.
+  if (image.channels() > channels) cv::cvtColor(image, converted, cv::COLOR_BGR2GRAY);
+  cv::Mat on_grid = converted;
+  if (grid != image.size()) {
+    const bool smaller = grid.width <= image.cols && grid.height <= image.rows;
+    cv::resize(converted, on_grid, grid, 0.0, 0.0, smaller ? cv::INTER_AREA : cv::INTER_LINEAR);
+  }
+  if (on_grid.channels() < channels) cv::cvtColor(on_grid, on_grid, cv::COLOR_GRAY2BGR);
+  return on_grid;
+}
+
+cv::Mat GridFlow::startValue(const cv::Size& grid, const cv::Mat& expected) const {
+  if (params_.initialisation == "temporal" && previous_.size() == grid) return previous_;
+  if (params_.initialisation != "expected" || expected.empty()) return {};
+  if (expected.type() != CV_32FC2)
+    throw std::invalid_argument("optical flow: the expected flow must be CV_32FC2");
+  return resizeFlow(fillUnknown(expected), grid);
+}
+
+/// Motion that the start value already explains is taken out of the second image; what remains is small.
+cv::Mat GridFlow::runFrom(const cv::Mat& start, const cv::Mat& first, const cv::Mat& second) {
+  if (start.empty()) return run(first, second);
+  const cv::Mat rest = run(first, warpedBack(second, targetsOf(start)));
+  // Where the rest leads, the start value was the one of the pixel it leads to.
+  return rest + warpedBack(start, targetsOf(rest));
+}
+
+}  // namespace radar_dot
