@@ -4,10 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 #include <stdexcept>
-#include <utility>
 
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "report_format.h"
@@ -36,11 +34,10 @@ std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvalua
   return images;
 }
 
-/// Name and value of every figure, in the order of the files.
-std::vector<std::pair<std::string, double>> figuresOf(const DepthErrors& errors) {
-  std::vector<std::pair<std::string, double>> figures;
-  for (std::size_t i = 0; i < errors.within.size(); ++i) {
-    const DepthErrors::Sums& sums = errors.within[i];
+Figures figuresOf(const DepthReport& report) {
+  Figures figures;
+  for (std::size_t i = 0; i < report.errors.within.size(); ++i) {
+    const DepthErrors::Sums& sums = report.errors.within[i];
     const double limit = DepthErrors::kLimits[i];
     figures.emplace_back(fmt::format("mae_{:.0f}", limit), sums.meanAbsoluteError());
     figures.emplace_back(fmt::format("rmse_{:.0f}", limit), sums.rootMeanSquaredError());
@@ -49,9 +46,8 @@ std::vector<std::pair<std::string, double>> figuresOf(const DepthErrors& errors)
   return figures;
 }
 
-std::vector<std::pair<std::string, std::uint64_t>> countsOf(const DepthReport& report) {
-  std::vector<std::pair<std::string, std::uint64_t>> counts = {{"images", report.images},
-                                                               {"without_truth", report.without_truth}};
+Counts countsOf(const DepthReport& report) {
+  Counts counts = {{"images", report.images}, {"without_truth", report.without_truth}};
   for (std::size_t i = 0; i < report.errors.within.size(); ++i) {
     const double limit = DepthErrors::kLimits[i];
     counts.emplace_back(fmt::format("true_pixels_{:.0f}", limit), report.errors.within[i].true_pixels);
@@ -103,7 +99,7 @@ std::string formatTable(const std::vector<DepthReport>& scenes, const DepthRepor
   table += "\n";
   const auto row = [&table](const DepthReport& report, const std::string& name) {
     table += fmt::format("{:<14}{:>7}{:>10}", name, report.images, report.without_truth);
-    for (const auto& [key, value] : figuresOf(report.errors)) table += fmt::format("{:>10}", figure(value));
+    for (const auto& [key, value] : figuresOf(report)) table += fmt::format("{:>10}", figure(value));
     table += "\n";
   };
   for (const DepthReport& scene : scenes) row(scene, scene.scene);
@@ -112,36 +108,11 @@ std::string formatTable(const std::vector<DepthReport>& scenes, const DepthRepor
 }
 
 std::string formatJson(const std::vector<DepthReport>& scenes, const DepthReport& overall) {
-  rapidjson::StringBuffer buffer;
-  JsonWriter writer(buffer);
-  writeScenes(writer, scenes, overall, [&writer](const DepthReport& report, bool is_overall) {
-    writer.StartObject();
-    if (!is_overall) {
-      writer.Key("scene");
-      writer.String(report.scene.c_str());
-    }
-    for (const auto& [key, value] : figuresOf(report.errors)) number(writer, key.c_str(), value);
-    for (const auto& [key, value] : countsOf(report)) count(writer, key.c_str(), value);
-    writer.EndObject();
-  });
-  return std::string(buffer.GetString(), buffer.GetSize()) + "\n";
+  return jsonOf(scenes, overall, figuresOf, countsOf);
 }
 
 std::string formatCsv(const std::vector<DepthReport>& scenes, const DepthReport& overall) {
-  std::string text = "scene";
-  for (const auto& [key, value] : figuresOf(overall.errors)) text += "," + key;
-  for (const auto& [key, value] : countsOf(overall)) text += "," + key;
-  text += "\n";
-  const auto line = [&text](const DepthReport& report, const std::string& name) {
-    text += name;
-    for (const auto& [key, value] : figuresOf(report.errors))
-      text += std::isfinite(value) ? fmt::format(",{:.6f}", value) : ",";
-    for (const auto& [key, value] : countsOf(report)) text += fmt::format(",{}", value);
-    text += "\n";
-  };
-  for (const DepthReport& scene : scenes) line(scene, scene.scene);
-  line(overall, "overall");
-  return text;
+  return csvOf(scenes, overall, figuresOf, countsOf);
 }
 
 }  // namespace radar_dot::evaluation

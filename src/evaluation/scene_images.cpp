@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 
 #include "segmentation_images.h"
@@ -14,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using dataset::DatasetError;
+using dataset::Index;
 
 bool isEstimated(const std::string& backend) { return backend != "ground_truth" && backend != "files"; }
 
@@ -24,9 +26,39 @@ DepthSource depthSourceOf(const SegmentationEvaluationOptions& options) {
 
 }  // namespace
 
+std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const std::string& channel,
+                               const std::string& pairs, std::size_t max_pairs) {
+  if (pairs != "keyframes" && pairs != "next")
+    throw std::invalid_argument(fmt::format("pairs '{}' is not one of keyframes, next", pairs));
+  const std::vector<Index> readings = tables.readingsOf(scene, channel);
+  const std::string& name = tables.scenes[at(scene)].name;
+  if (readings.empty()) throw DatasetError(fmt::format("{}: no readings of {}", name, channel));
+  std::vector<ImagePair> found;
+  for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
+    if (!tables.sample_data[at(readings[i])].is_key_frame) continue;
+    std::size_t next = i + 1;
+    if (pairs == "keyframes") {
+      while (next < readings.size() && !tables.sample_data[at(readings[next])].is_key_frame) ++next;
+      if (next == readings.size()) break;
+    }
+    // A dataroot may hold a part of the images.
+    if (fs::exists(tables.path(tables.sample_data[at(readings[i])])) &&
+        fs::exists(tables.path(tables.sample_data[at(readings[next])])))
+      found.push_back({readings[i], readings[next]});
+  }
+  if (found.empty()) {
+    throw NoImages(
+        fmt::format("{}: no pair of its {} images is under {}", name, channel, tables.dataroot().string()));
+  }
+  if (max_pairs > 0 && found.size() > max_pairs) found.resize(max_pairs);
+  return found;
+}
+
 SceneImages::SceneImages(const dataset::Tables& tables, const RadarScene& radar,
                          const SegmentationEvaluationOptions& options)
     : SceneDepths(tables, radar, depthSourceOf(options)), options_(options) {
+  if (options.flow == "files" && options.flow_directory.empty())
+    throw std::invalid_argument("flow 'files' needs a folder with the flows (--flow-directory)");
   if (isEstimated(options.flow)) {
     OpticalFlowParams params = options.optical_flow;
     params.backend = options.flow;
@@ -57,6 +89,10 @@ const FlowField& SceneImages::trueFlow(const ImagePair& pair) {
   true_flow_ = resizeNearest(field, sizeOf(pair.first));
   true_flow_of_ = pair.first;
   return true_flow_;
+}
+
+cv::Mat SceneImages::trueMovers(Index row) const {
+  return resizeNearest(readGrey(truthFile("motion", row)), sizeOf(row));
 }
 
 FlowField SceneImages::flowOf(const ImagePair& pair, const MotionInput& input) {

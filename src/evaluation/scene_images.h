@@ -3,7 +3,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "radar_scene.h"
@@ -15,6 +18,13 @@ namespace radar_dot::evaluation {
 struct ImagePair {
   dataset::Index first = dataset::kNone, second = dataset::kNone;
 };
+
+/// The pairs of a scene of which both images are on disk, in time order; `max_pairs` of them, 0 = all.
+/// @param pairs  "keyframes": a keyframe and the next one; "next": a keyframe and the image after it
+/// @throws NoImages where there are none, dataset::DatasetError for a channel without readings, and
+///         std::invalid_argument for other `pairs`.
+std::vector<ImagePair> pairsOf(const dataset::Tables& tables, dataset::Index scene,
+                               const std::string& channel, const std::string& pairs, std::size_t max_pairs);
 
 /// What the evaluation sees of the images of a scene: besides their depths, motion and flow of pairs.
 class SceneImages : public SceneDepths {
@@ -33,6 +43,9 @@ class SceneImages : public SceneDepths {
   FlowField flowOf(const ImagePair& pair, const MotionInput& input);
   /// True flow of a simulated dataroot; what the second image does not show is not valid.
   const FlowField& trueFlow(const ImagePair& pair);
+  /// 255 where an image of a simulated dataroot shows what moves by itself, else 0: CV_8UC1, on the grid.
+  /// @throws dataset::DatasetError naming the file.
+  cv::Mat trueMovers(dataset::Index row) const;
 
  private:
   const SegmentationEvaluationOptions& options_;

@@ -25,39 +25,12 @@ namespace radar_dot::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
-using dataset::DatasetError;
 using dataset::Index;
 using dataset::Tables;
 
 constexpr double kVelocityStep = 0.08;  // s between the velocities that are averaged over an interval
 constexpr std::uint8_t kCounts = 0;     // values of the ignore image
 constexpr std::uint8_t kIgnored = 255;
-
-std::vector<ImagePair> pairsOf(const Tables& tables, Index scene,
-                               const SegmentationEvaluationOptions& options) {
-  const std::vector<Index> readings = tables.readingsOf(scene, options.channel);
-  const std::string& name = tables.scenes[at(scene)].name;
-  if (readings.empty()) throw DatasetError(fmt::format("{}: no readings of {}", name, options.channel));
-  std::vector<ImagePair> pairs;
-  for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
-    if (!tables.sample_data[at(readings[i])].is_key_frame) continue;
-    std::size_t next = i + 1;
-    if (options.pairs == "keyframes") {
-      while (next < readings.size() && !tables.sample_data[at(readings[next])].is_key_frame) ++next;
-      if (next == readings.size()) break;
-    }
-    // A dataroot may hold a part of the images.
-    if (fs::exists(tables.path(tables.sample_data[at(readings[i])])) &&
-        fs::exists(tables.path(tables.sample_data[at(readings[next])])))
-      pairs.push_back({readings[i], readings[next]});
-  }
-  if (pairs.empty()) {
-    throw NoImages(fmt::format("{}: no pair of its {} images is under {}", name, options.channel,
-                               tables.dataroot().string()));
-  }
-  if (options.max_pairs > 0 && pairs.size() > options.max_pairs) pairs.resize(options.max_pairs);
-  return pairs;
-}
 
 /// Runs one scene.
 class SceneRunner {
@@ -258,11 +231,8 @@ void validate(const SegmentationEvaluationOptions& options) {
     for (const char* each : known) names += (names.empty() ? "" : ", ") + std::string(each);
     throw std::invalid_argument(fmt::format("{} '{}' is not one of {}", name, value, names));
   };
-  one_of("pairs", options.pairs, {"keyframes", "next"});
   one_of("velocity", options.velocity, {"radar", "radar_start", "ground_truth"});
   one_of("rotation", options.rotation, {"ground_truth", "radar"});
-  if (options.flow == "files" && options.flow_directory.empty())
-    throw std::invalid_argument("flow 'files' needs a folder with the flows (--flow-directory)");
   if (options.mask_to_velocity && options.velocity == "ground_truth")
     throw std::invalid_argument("mask_to_velocity needs a velocity by radar, not 'ground_truth'");
   if (!(options.max_mask_age >= 0.0)) {
@@ -278,7 +248,8 @@ SegmentationReport evaluateSegmentation(const Tables& tables, Index scene,
                                         const SegmentationEvaluationOptions& options,
                                         const std::function<void(std::size_t, std::size_t)>& progress) {
   validate(options);
-  const std::vector<ImagePair> pairs = pairsOf(tables, scene, options);
+  const std::vector<ImagePair> pairs =
+      pairsOf(tables, scene, options.channel, options.pairs, options.max_pairs);
   std::map<dataset::Token, std::vector<const dataset::InstanceMask*>> by_image;
   for (const dataset::InstanceMask* mask : masks) by_image[mask->sample_data_token].push_back(mask);
   SceneRunner runner(tables, scene, options);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstddef>
 #include <exception>
 #include <stdexcept>
 #include <string>
@@ -12,8 +11,8 @@
 #include "depth_options.h"
 #include "network_options.h"
 #include "radar_dot/evaluation/depth_evaluation.h"
-#include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "result_files.h"
+#include "scene_loop.h"
 
 namespace {
 
@@ -59,32 +58,24 @@ int run(const Arguments& arguments) {
   dataset::LoadOptions load;
   load.version = arguments.version;
   load.scenes = arguments.scenes;
-  const dataset::Tables tables = dataset::Tables::load(arguments.dataroot, load);
-  std::vector<DepthReport> reports;
-  DepthReport overall;
-  for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
-    try {
-      reports.push_back(evaluateDepth(tables, static_cast<dataset::Index>(scene), arguments.options));
-      overall += reports.back();
-    } catch (const radar_dot::evaluation::NoImages& error) {
-      // A dataroot may hold a part of the scenes; one that was asked for must be there.
-      if (!arguments.scenes.empty() || tables.scenes.size() == 1) throw;
-      fmt::print(stderr, "evaluate_depth: warning: left out {}\n", error.what());
-    }
-  }
-  if (reports.empty()) throw std::runtime_error(arguments.dataroot + ": no scene has images on disk");
-  if (overall.images == 0) {
+  const auto reports = radar_dot::tools::evaluateScenes<DepthReport>(
+      "evaluate_depth", dataset::Tables::load(arguments.dataroot, load), !arguments.scenes.empty(),
+      [&arguments](const dataset::Tables& tables, dataset::Index scene) {
+        return evaluateDepth(tables, scene, arguments.options);
+      });
+  if (reports.overall.images == 0) {
     throw std::runtime_error(fmt::format(
         "{}: none of the {} keyframe images has a LIDAR_TOP sweep on disk, as --truth lidar needs",
-        arguments.dataroot, overall.without_truth));
+        arguments.dataroot, reports.overall.without_truth));
   }
-  arguments.files.write(reports, overall);
+  arguments.files.write(reports.scenes, reports.overall);
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  radar_dot::tools::letWaitingThreadsSleep();
   CLI::App app("Scores the depth of camera images on a nuScenes dataroot, as JustDepth is scored.");
   Arguments arguments;
   declare(app, arguments);

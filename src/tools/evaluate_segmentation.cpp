@@ -32,6 +32,7 @@ struct Arguments {
   std::vector<std::string> scenes, merge;
   int jobs = 1;
   bool compare_loop = false;
+  std::string initialisation;
   radar_dot::tools::ResultFiles files;
   SegmentationEvaluationOptions options;
 };
@@ -69,7 +70,8 @@ void declareInputs(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
 }
 
-void declareMethod(CLI::App& app, SegmentationEvaluationOptions& options) {
+void declareMethod(CLI::App& app, Arguments& arguments) {
+  SegmentationEvaluationOptions& options = arguments.options;
   radar_dot::MotionParams& motion = options.motion;
   app.add_option("--k", motion.k, "MADs above the median")->capture_default_str();
   app.add_option("--lambda", motion.lambda, "Weight of the depth residual")->capture_default_str();
@@ -90,8 +92,8 @@ void declareMethod(CLI::App& app, SegmentationEvaluationOptions& options) {
                "Exclude pixels whose prediction leaves the image (default: on)");
   radar_dot::OpticalFlowParams& flow = options.optical_flow;
   app.add_option("--preset", flow.preset, "ultrafast, fast, medium, fine (dis)")->capture_default_str();
-  app.add_option("--initialisation", flow.initialisation, "none, expected (flow of a static world)")
-      ->capture_default_str();
+  app.add_option("--initialisation", arguments.initialisation,
+                 "none, expected (flow of a static world); default: expected for dis, none for others");
   app.add_flag("--forward-backward,!--no-forward-backward", flow.forward_backward,
                "Exclude pixels whose flow there and back does not close (default: off)");
   radar_dot::tools::declareDepthParams(app, options.depth_params);
@@ -201,19 +203,22 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  radar_dot::tools::letWaitingThreadsSleep();
   CLI::App app("Scores dynamic masks against nuInsSeg on a nuScenes dataroot, as the paper's Table I.");
   Arguments arguments;
-  // Half a second between keyframes is more than flow finds from nothing.
-  arguments.options.optical_flow.initialisation = "expected";
   arguments.options.extraction.doppler_scale = radar_dot::evaluation::kNuscenesDopplerScale;
   declareInputs(app, arguments);
-  declareMethod(app, arguments.options);
+  declareMethod(app, arguments);
   declareLoop(app, arguments);
   declareOutputs(app, arguments);
   try {
     app.parse(argc, argv);
     if (arguments.dataroot.empty() && arguments.merge.empty())
       throw CLI::RequiredError("--dataroot (or --merge)");
+    // Half a second between keyframes is more than dis finds from nothing; networks do.
+    if (arguments.initialisation.empty())
+      arguments.initialisation = arguments.options.flow == "dis" ? "expected" : "none";
+    arguments.options.optical_flow.initialisation = arguments.initialisation;
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {

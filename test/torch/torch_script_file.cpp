@@ -38,6 +38,13 @@ def forward(self, image, radar):
 )";
 }
 
+std::string depthOfFarthestReturn() {
+  return R"(
+def forward(self, image, radar):
+    return image[:, 0:1] * 0.0 + radar.max()
+)";
+}
+
 std::string depthOfRed() {
   return R"(
 def forward(self, image, radar):

@@ -19,6 +19,8 @@ std::string constantFlow(double u, double v);
 std::string flowOfColours();
 /// Depth of every pixel: that of the radar in its column, m.
 std::string depthOfRadar();
+/// Depth of every pixel: the largest of the radar, m.
+std::string depthOfFarthestReturn();
 /// Depth of every pixel: its red, 0 to 255, as m.
 std::string depthOfRed();
 

@@ -1,0 +1,83 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "radar_dot/dataset/tables.h"
+#include "radar_dot/evaluation/flow_metrics.h"
+#include "radar_dot/vision/depth_estimator.h"
+#include "radar_dot/vision/optical_flow.h"
+
+namespace radar_dot::evaluation {
+
+/// What is evaluated, and with which parameters.
+struct FlowEvaluationOptions {
+  std::string channel = "CAM_FRONT";
+  /// "keyframes": a keyframe and the next one; "next": a keyframe and the image after it.
+  std::string pairs = "keyframes";
+  std::size_t max_pairs = 0;  ///< the first ones of each scene; 0 = all
+  /// A backend of makeOpticalFlow, "ground_truth", or "files".
+  std::string flow = "dis";
+  /// Folder with <stem of the first image>.png, for flow "files": KITTI's 16-bit PNG, px of its own grid.
+  std::string flow_directory;
+  /// px, width of the grid that flow and truth are compared on; 0 = that of the images. The truth is taken
+  /// at the pixel nearest to each one of the grid. Errors are px of the full image on every grid.
+  int working_width = 800;
+  /// Its backend and working_width are not looked at. Initialisation "expected" starts from the flow of a
+  /// static world by the depth below and the true motion of the vehicle.
+  OpticalFlowParams optical_flow;
+  /// A backend of makeDepthEstimator, "ground_truth", "noisy" (see noisyDepth), or "files".
+  std::string depth = "radar_ground";
+  std::string depth_directory;                    ///< see DepthEvaluationOptions
+  std::vector<std::string> depth_radar_channels;  ///< see SegmentationEvaluationOptions
+  DepthParams depth_params;
+};
+
+/// Results of one scene, or of several merged by operator+=.
+struct FlowReport {
+  std::string scene;
+  std::size_t pairs = 0;
+  FlowErrors errors;
+  /// Of each pair, from images in memory to flow on the grid; the start value of "expected" counts, its depth
+  /// does not. Empty for flow "ground_truth" and "files".
+  std::vector<double> seconds;
+
+  double medianSeconds() const;  ///< per pair; NaN where there are none
+  FlowReport& operator+=(const FlowReport& other);
+};
+
+/// Evaluates the pairs of one scene of a simulated dataroot. Pixels that leave the second image or are
+/// occluded in it take no part; what the images of the truth call moving counts as moving.
+/// @throws NoImages (segmentation_evaluation.h) where there is no pair on disk, dataset::DatasetError for
+///         missing or unreadable files, and std::invalid_argument for options that make no sense.
+FlowReport evaluateFlow(const dataset::Tables& tables, dataset::Index scene,
+                        const FlowEvaluationOptions& options = {});
+
+/// One pair of images with the true flow from the first to the second: KITTI's 16-bit PNG.
+struct FlowPairFiles {
+  std::filesystem::path first, second, truth;
+};
+
+/// Evaluates one pair, by a backend of makeOpticalFlow, on the grid of its working_width. All pixels with
+/// truth take part; which ones move is not known. The time is that of a first call. The report is called as
+/// the first image, without ending.
+/// @throws dataset::DatasetError naming a file that cannot be read or is of another size than the first
+///         image, and std::invalid_argument for params that make no sense: one pair has no flow to start
+///         from.
+FlowReport evaluateFlow(const FlowPairFiles& files, const OpticalFlowParams& params);
+
+/// Plain-text table; the last row is the overall result. Errors in px of the full image, shares in %.
+std::string formatTable(const std::vector<FlowReport>& scenes, const FlowReport& overall);
+/// {"scenes": [{"scene", "epe_all", "epe_median_all" (px of the full image), "fl_all" (KITTI's outliers, a
+/// share of the pixels with flow), "density_all" (their share of the pixels with truth), the same of
+/// "static" and "moving" pixels, "ms_per_pair" (median), "pairs", "true_pixels_all", "compared_all", and the
+/// same of the others}], "overall": {same keys}}. Figures that do not exist are null.
+std::string formatJson(const std::vector<FlowReport>& scenes, const FlowReport& overall);
+/// The same as columns.
+std::string formatCsv(const std::vector<FlowReport>& scenes, const FlowReport& overall);
+
+}  // namespace radar_dot::evaluation

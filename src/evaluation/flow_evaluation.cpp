@@ -1,0 +1,139 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/evaluation/flow_evaluation.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+#include "radar_dot/evaluation/segmentation_evaluation.h"
+#include "radar_dot/vision/camera_intrinsics.h"
+#include "radar_dot/vision/rigid_motion.h"
+#include "scene_images.h"
+#include "segmentation_images.h"
+
+namespace radar_dot::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using dataset::DatasetError;
+using dataset::Index;
+using dataset::Tables;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+bool isExpected(const FlowEvaluationOptions& options) {
+  return options.optical_flow.initialisation == "expected";
+}
+
+/// What SceneImages is to show.
+SegmentationEvaluationOptions imageOptionsOf(const FlowEvaluationOptions& options) {
+  SegmentationEvaluationOptions images;
+  images.pairs = options.pairs;
+  images.flow = options.flow;
+  images.flow_directory = options.flow_directory;
+  images.working_width = options.working_width;
+  images.optical_flow = options.optical_flow;
+  // Nothing else asks for depth, and a backend may need a model.
+  images.depth = isExpected(options) ? options.depth : "ground_truth";
+  images.depth_directory = options.depth_directory;
+  images.depth_radar_channels = options.depth_radar_channels;
+  images.depth_params = options.depth_params;
+  return images;
+}
+
+void requireTruth(const Tables& tables, const FlowEvaluationOptions& options) {
+  const fs::path folder =
+      tables.dataroot() / "ground_truth" / (options.pairs == "keyframes" ? "keyframe_flow" : "flow");
+  if (fs::is_directory(folder)) return;
+  throw DatasetError(folder.string() + ": is not there; the true flow is that of a simulated dataroot");
+}
+
+void evaluatePair(SceneImages& images, const ImagePair& pair, const FlowEvaluationOptions& options,
+                  FlowReport& report) {
+  images.begin(pair);
+  const dataset::SampleData& first = images.reading(pair.first);
+  MotionInput input;
+  input.camera = images.gridOf(pair.first);
+  if (isExpected(options)) {
+    input.T_current_from_previous = staticPointMotion(images.mountOf(first), images.trueMotion(pair));
+    input.depth = images.depthOf(pair.first);
+  }
+  const bool is_estimated = options.flow != "ground_truth" && options.flow != "files";
+  if (is_estimated) {
+    images.pictureOf(pair.first);  // read before the time counts
+    images.pictureOf(pair.second);
+  }
+  const Clock::time_point start = Clock::now();
+  const FlowField field = images.flowOf(pair, input);
+  if (is_estimated) report.seconds.push_back(secondsSince(start));
+  report.errors.add(field, images.trueFlow(pair), images.trueMovers(pair.first),
+                    cv::Size(first.width, first.height));
+  ++report.pairs;
+}
+
+void requireFile(const fs::path& file) {
+  if (!fs::is_regular_file(file)) throw DatasetError(file.string() + ": is not there, or is not a file");
+}
+
+cv::Mat readImage(const fs::path& file) {
+  requireFile(file);
+  cv::Mat image = cv::imread(file.string(), cv::IMREAD_COLOR);
+  if (image.empty()) throw DatasetError(file.string() + ": cannot be read as an image");
+  return image;
+}
+
+void requireSize(const fs::path& file, const cv::Size& size, const cv::Size& wanted) {
+  if (size == wanted) return;
+  throw DatasetError(fmt::format("{}: is {}x{} px, the first image {}x{}", file.string(), size.width,
+                                 size.height, wanted.width, wanted.height));
+}
+
+}  // namespace
+
+FlowReport evaluateFlow(const Tables& tables, Index scene, const FlowEvaluationOptions& options) {
+  const std::vector<ImagePair> pairs =
+      pairsOf(tables, scene, options.channel, options.pairs, options.max_pairs);
+  requireTruth(tables, options);
+  const RadarScene radar = loadRadarScene(tables, scene, {}, {});
+  const SegmentationEvaluationOptions image_options = imageOptionsOf(options);
+  SceneImages images(tables, radar, image_options);
+  FlowReport report;
+  report.scene = tables.scenes[at(scene)].name;
+  for (const ImagePair& pair : pairs) evaluatePair(images, pair, options, report);
+  return report;
+}
+
+FlowReport evaluateFlow(const FlowPairFiles& files, const OpticalFlowParams& params) {
+  if (params.initialisation != "none") {
+    throw std::invalid_argument(
+        fmt::format("initialisation '{}' needs the pairs of a dataroot; one pair has nothing to start from",
+                    params.initialisation));
+  }
+  const std::unique_ptr<OpticalFlow> backend = makeOpticalFlow(params);
+  const cv::Mat first = readImage(files.first);
+  const cv::Mat second = readImage(files.second);
+  requireFile(files.truth);
+  const FlowField truth = readFlow(files.truth);
+  requireSize(files.second, second.size(), first.size());
+  requireSize(files.truth, truth.flow.size(), first.size());
+  FlowReport report;
+  report.scene = files.first.stem().string();
+  report.pairs = 1;
+  const cv::Size grid = workingGrid(first.size(), params.working_width);
+  const Clock::time_point start = Clock::now();
+  FlowField field = backend->compute(first, second);
+  field.flow = resizeFlow(field.flow, grid);
+  if (!field.valid.empty()) field.valid = resizeNearest(field.valid, grid);
+  report.seconds.push_back(secondsSince(start));
+  report.errors.add(field, resizeNearest(truth, grid), {}, first.size());
+  return report;
+}
+
+}  // namespace radar_dot::evaluation

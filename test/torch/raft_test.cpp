@@ -1,0 +1,129 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// RAFT-small with trained weights: exported, run here, and compared with PyTorch and with true flow.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "evaluation/segmentation_images.h"
+#include "fixtures/files.h"
+#include "fixtures/tool_run.h"
+#include "radar_dot/vision/optical_flow.h"
+
+namespace radar_dot {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kIterations = 8;
+
+const fs::path kData = RADAR_DOT_SHARED_DATA;
+const fs::path kWeights = kData / ".." / "models" / "raft_small" / "raft-small-kitti.pth";
+const fs::path kPair = kData / "kitti_flow_pair";
+
+class Raft : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    if (!fs::exists(kWeights)) return;
+    setenv("OMP_WAIT_POLICY", "passive", 0);  // before libtorch is loaded: tests seldom have all cores
+    folder_ = std::make_unique<test::TemporaryFolder>();
+    exported_ = test::runCommand(std::string(PYTHON) + " " + SCRIPTS + "/export_raft.py --weights " +
+                                 kWeights.string() + " --iterations " + std::to_string(kIterations) +
+                                 " --output " + network().string());
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  void SetUp() override {
+    if (!fs::exists(kWeights)) GTEST_SKIP() << kWeights << " is not here";
+    if (exported_.text.find("python3-torch") != std::string::npos) GTEST_SKIP() << exported_.text;
+    ASSERT_EQ(exported_.exit_code, 0) << exported_.text;
+  }
+
+  static fs::path network() { return folder_->path() / "raft_small.pt"; }
+  static OpticalFlowParams params(int width, int height) {
+    OpticalFlowParams params;
+    params.backend = "torch";
+    params.working_width = 0;
+    params.network.model = network().string();
+    params.network.device = "cpu";
+    params.network_width = width;
+    params.network_height = height;
+    return params;
+  }
+  static cv::Mat image(const char* name) { return cv::imread((kPair / name).string(), cv::IMREAD_COLOR); }
+
+  static inline std::unique_ptr<test::TemporaryFolder> folder_;
+  static inline test::Outcome exported_;
+};
+
+TEST_F(Raft, ExporterSaysWhatItVerified) {
+  EXPECT_NE(exported_.text.find("all 106 weights used"), std::string::npos) << exported_.text;
+  EXPECT_NE(exported_.text.find("largest difference"), std::string::npos) << exported_.text;
+}
+
+// Python reads the very images that the network gets here: no resizing on either side.
+TEST_F(Raft, FlowIsThatOfPython) {
+  const cv::Rect cut(100, 10, 640, 360);
+  const cv::Mat first = image("frame1.png")(cut).clone();
+  const cv::Mat second = image("frame2.png")(cut).clone();
+  const fs::path first_file = folder_->path() / "first.png";
+  const fs::path second_file = folder_->path() / "second.png";
+  const fs::path output = folder_->path() / "flow.raw";
+  ASSERT_TRUE(cv::imwrite(first_file.string(), first));
+  ASSERT_TRUE(cv::imwrite(second_file.string(), second));
+  const test::Outcome python = test::runCommand(
+      std::string(PYTHON) + " " + REFERENCE + " " + kWeights.string() + " " + std::to_string(kIterations) +
+      " " + first_file.string() + " " + second_file.string() + " " + output.string());
+  ASSERT_EQ(python.exit_code, 0) << python.text;
+  std::vector<float> expected(2 * 640 * 360);
+  std::ifstream(output, std::ios::binary)
+      .read(reinterpret_cast<char*>(expected.data()),
+            static_cast<std::streamsize>(expected.size() * sizeof(float)));
+
+  const cv::Mat flow = makeOpticalFlow(params(640, 360))->compute(first, second).flow;
+  ASSERT_EQ(flow.size(), cv::Size(640, 360));
+  float largest = 0.0F;
+  double length = 0.0;
+  for (int row = 0; row < 360; ++row) {
+    for (int column = 0; column < 640; ++column) {
+      const auto& vector = flow.at<cv::Vec2f>(row, column);
+      const auto pixel = static_cast<std::size_t>(row * 640 + column);
+      largest = std::max({largest, std::abs(vector[0] - expected[pixel]),
+                          std::abs(vector[1] - expected[pixel + 640 * 360])});
+      length += std::sqrt(vector.dot(vector));
+    }
+  }
+  EXPECT_LE(largest, 1e-3F);
+  EXPECT_GT(length / (640.0 * 360.0), 10.0);  // it is no still pair
+  RecordProperty("largest_difference_micro_px", static_cast<int>(1e6F * largest));
+}
+
+TEST_F(Raft, KittiPairInFullResolution) {
+  const FlowField truth = evaluation::readFlow(kPair / "flow_gt.png");
+  const cv::Mat flow =
+      makeOpticalFlow(params(1240, 376))->compute(image("frame1.png"), image("frame2.png")).flow;
+  ASSERT_EQ(flow.size(), truth.flow.size());
+  double sum = 0.0;
+  int count = 0;
+  for (int row = 0; row < flow.rows; ++row) {
+    for (int column = 0; column < flow.cols; ++column) {
+      if (truth.valid.at<std::uint8_t>(row, column) == 0) continue;
+      const cv::Vec2f error = flow.at<cv::Vec2f>(row, column) - truth.flow.at<cv::Vec2f>(row, column);
+      sum += std::sqrt(error.dot(error));
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 10000);
+  EXPECT_LE(sum / count, 2.6);
+  RecordProperty("end_point_error_milli_px", static_cast<int>(1e3 * sum / count));
+}
+
+}  // namespace
+}  // namespace radar_dot
