@@ -134,8 +134,10 @@ def export(network, size, device, output):
             module = torch.jit.trace(network, inputs, check_trace=False)
         except Exception as error:  # PyTorch raises many kinds for what it cannot trace
             raise ExportError(f"the network cannot be traced ({one_line(error)})") from None
-    report = [f"tracing warned: {one_line(caution.message)}" for caution in cautions
-              if issubclass(caution.category, torch.jit.TracerWarning)]
+    steps = [f"{pathlib.Path(caution.filename).name}:{caution.lineno}" for caution in cautions
+             if issubclass(caution.category, torch.jit.TracerWarning)]
+    # Most of these are harmless, such as a check of a shape; the comparison tells.
+    report = [f"steps that might depend on the data: {len(steps)}, the first at {steps[0]}"] if steps else []
     save_verified(module, output, lambda loaded: report.append(verify(network, loaded, size, device)))
     if f'value="{device}' in str(module.inlined_graph):
         report.append(f"the network makes tensors of its own: the output runs on {device.type} only")
@@ -173,7 +175,8 @@ def main(argv=None):
     parser.add_argument("--output-key", help="key of the depth, where the network returns a dict")
     parser.add_argument("--size", type=size_argument(1, 1), default=(1600, 896),
                         help="of the image (default: 1600x896); a traced network may take no other")
-    parser.add_argument("--device", default="cpu", help="to trace on; use that of the robot (default: cpu)")
+    parser.add_argument("--device", default="cpu",
+                        help="where the output will run: cpu or cuda (default: cpu)")
     parser.add_argument("--output", type=pathlib.Path, required=True)
     arguments = parser.parse_args(argv)
     try:

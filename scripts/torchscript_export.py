@@ -36,7 +36,8 @@ def read_state_dict(path, trusted=False, advice=""):
     except OSError as error:
         raise ExportError(f"{path}: {error.strerror or error}") from None
     except Exception as error:  # torch raises many kinds for a file that is not its own
-        raise ExportError(f"{path}: cannot be read as a state dict ({one_line(error)}); "
+        reason = one_line(error).split("WeightsUnpickler error: ")[-1]
+        raise ExportError(f"{path}: cannot be read as a state dict ({reason}); "
                           f"it must be a file of torch.save(network.state_dict(), ...){advice}") from None
     if isinstance(content, dict) and not is_state_dict(content):
         content = next((content[key] for key in NESTED_UNDER if is_state_dict(content.get(key))), content)
