@@ -19,11 +19,13 @@
 #include <tuple>
 #include <utility>
 
+#include "kept_memory.h"
+
 namespace radar_dot {
 namespace {
 
-// The executor watches the first call, compiles in the second; the third is as quick as all later ones.
-constexpr int kWarmUpCalls = 3;
+// The executor watches the first call and compiles in the second; the third is as quick as all later ones.
+constexpr int kWarmUpCalls = 2;
 
 /// The line of a message of libtorch that says what is wrong: of errors in a network's own code, which come
 /// with a trace of it, the last.
@@ -107,7 +109,6 @@ class Network : public TorchModel {
     try {
       module_ = torch::jit::load(file_, device_);
       module_.eval();
-      if (module_.hasattr("training")) module_ = torch::jit::freeze(module_);  // weights become constants
     } catch (const std::exception& error) {
       throw std::invalid_argument(
           fmt::format("model '{}' is not TorchScript that this libtorch can read: {}; "
@@ -204,6 +205,7 @@ std::shared_ptr<TorchModel> TorchModel::load(const NetworkParams& params, const 
   const at::Device device = deviceNamed(params.device);
   const Key key(params.model, std::filesystem::last_write_time(params.model, error), device.str(),
                 signature.inputs, signature.output);
+  keepMemory();
   Loaded& known = loaded();
   const std::lock_guard<std::mutex> lock(known.mutex);  // held while loading: nobody loads it a second time
   if (std::shared_ptr<TorchModel> shared = known.networks[key].lock()) return shared;
