@@ -45,18 +45,17 @@ class SweepFilter {
   explicit SweepFilter(const VelocityEvaluationOptions& options)
       : with_radars_(options.filter_radars), filter_(options.filter_params) {}
 
-  void add(const Sweep& sweep, const std::vector<RadarScan>& scans, const EgoVelocityResult& result,
+  void add(double time, const std::vector<RadarScan>& scans, const EgoVelocityResult& result,
            EstimatedSweeps& sweeps) {
     std::vector<SensorVelocity> sensors;
     if (with_radars_) sensors = sensorVelocities(scans, result);
-    for (SensorVelocity& sensor : sensors) sensor.radar = sweep.scans[sensor.radar].radar;
-    switch (filter_.update(sweep.time(), result, sensors)) {
+    switch (filter_.update(time, result, sensors)) {
       case VelocityFilter::Outcome::kRejected: ++sweeps.filter_rejected; break;
       case VelocityFilter::Outcome::kStarted: ++sweeps.filter_starts; break;
       case VelocityFilter::Outcome::kUpdated: break;
       case VelocityFilter::Outcome::kStale: return;
     }
-    sweeps.filtered.emplace_back(filter_.at(sweep.time()), result);
+    sweeps.filtered.emplace_back(filter_.at(time), result);
   }
 
  private:
@@ -137,6 +136,7 @@ EstimatedSweeps estimateSweeps(const RadarScene& scene, const VelocityEvaluation
     for (const SweepScan& scan : sweep.scans) {
       const auto* loaded = static_cast<const LoadedScan*>(scan.reading.get());
       scans.push_back({&loaded->returns, scene.radars[scan.radar].T_base_from_sensor, scan.time, nullptr});
+      scans.back().radar = scan.radar;
     }
     ++sweeps.count;
     masks.mark(scans, sweeps.velocities, sweep.time());
@@ -149,7 +149,7 @@ EstimatedSweeps estimateSweeps(const RadarScene& scene, const VelocityEvaluation
     }
     if (result.observed[0]) tracker.add(sweep.time(), result.linear);
     sweeps.velocities.emplace_back(sweep.time(), result);
-    if (options.filter) filter.add(sweep, scans, result, sweeps);
+    if (options.filter) filter.add(sweep.time(), scans, result, sweeps);
   }
   return sweeps;
 }

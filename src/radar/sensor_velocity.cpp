@@ -88,7 +88,7 @@ std::vector<SensorVelocity> sensorVelocities(const std::vector<RadarScan>& scans
     }
     if (constraints.size() < static_cast<std::size_t>(std::max(1, params.min_returns))) continue;
     if (std::optional<SensorVelocity> sensor = solve(constraints, velocity.head<2>(), params.scan_std)) {
-      sensor->radar = s;
+      sensor->radar = scan.radar;
       sensor->time = scan.time;
       sensor->lever_arm = lever_arm.head<2>();
       sensors.push_back(*sensor);

@@ -180,6 +180,8 @@ int main(int argc, char** argv) {
   CLI::App app("Scores the radar ego velocity, trajectory and static/dynamic labels on a nuScenes dataroot.");
   Arguments arguments;
   arguments.options.extraction.doppler_scale = radar_dot::evaluation::kNuscenesDopplerScale;
+  // The origin of the nuScenes base frame is the middle of the rear axle, which hardly slips.
+  arguments.options.filter_params.lateral_slip_std = 0.01;
   arguments.options.bearing_delay = radar_dot::evaluation::kNuscenesBearingDelay;
   declare(app, arguments);
   declareMasks(app, arguments.options);

@@ -87,6 +87,7 @@ struct RadarScan {
   /// velocities were measured. A radar that brings its positions forward by the time T while the vehicle
   /// turns with the rate w needs T w, see ExtractionParams.
   double bearing_rotation = 0.0;
+  std::size_t radar = 0;  ///< number of the radar, the same in all sweeps; for sensorVelocities alone
 };
 
 /// What became of an estimate.

@@ -30,7 +30,7 @@ struct SensorVelocityParams {
 };
 
 /// Velocity of every radar whose scan has enough static returns, by reweighted least squares with Cauchy
-/// weights. Scan i gets the number i, in the order of `scans`; a caller whose sweeps lack scans renumbers.
+/// weights.
 /// @param result  a valid estimate from the same scans: where the static returns lie, and where to start
 std::vector<SensorVelocity> sensorVelocities(const std::vector<RadarScan>& scans,
                                              const EgoVelocityResult& result,

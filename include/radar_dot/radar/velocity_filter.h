@@ -27,7 +27,7 @@ struct VelocityFilterParams {
 
   /// rad, 1 sigma of the slip angle of the base frame's origin (the rear axle): vy is 0 within this share of
   /// |vx| plus 0.02 m/s. 0 = nothing is assumed of vy.
-  double lateral_slip_std = 0.01;
+  double lateral_slip_std = 0.0;
   double lateral_slip_time = 2.0;  ///< s, correlation time of the slip
 
   /// rad, 1 sigma of the yaw of each radar's mount, which the filter learns. 0 = mounts are exact.
