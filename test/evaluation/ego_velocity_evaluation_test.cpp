@@ -67,6 +67,25 @@ TEST_F(Evaluation, ExactRadarGivesExactFigures) {
   }
 }
 
+TEST_F(Evaluation, TheFilterFollowsExactRadar) {
+  VelocityEvaluationOptions options;
+  options.filter = true;
+  for (const bool by_radar : {true, false}) {
+    options.filter_radars = by_radar;
+    for (const char* scene : {NuscenesFixture::kStraightScene, NuscenesFixture::kTurningScene}) {
+      const VelocityReport report = evaluate(scene, options);
+      EXPECT_EQ(report.filter_rejected, 0U) << scene;
+      EXPECT_EQ(report.filter_starts, 1U) << scene;
+      ASSERT_GT(report.filtered.vx.count, 0U);
+      EXPECT_EQ(report.filtered.vx.count, report.causal.vx.count);
+      EXPECT_LT(report.filtered.vx.value(), 0.02) << scene;
+      EXPECT_LT(report.filtered.vy.value(), 0.02) << scene;
+      EXPECT_LT(report.filtered.yaw_rate.value(), 0.005) << scene;
+    }
+  }
+  EXPECT_EQ(evaluate(NuscenesFixture::kStraightScene).filtered.vx.count, 0U) << "off unless asked for";
+}
+
 TEST_F(Evaluation, ThePapersOrderHoldsOnTheStraight) {
   const VelocityReport report = evaluate(NuscenesFixture::kStraightScene);
   EXPECT_LT(report.mae.at("A1").value(), 0.5 * report.mae.at("B1").value());
@@ -217,6 +236,8 @@ TEST_F(Evaluation, JsonHasTheDocumentedKeys) {
       EXPECT_TRUE((*report)["models"]["planar_yaw"][key].IsNumber()) << key;
     }
     EXPECT_TRUE((*report)["models"]["planar"]["yaw_rate_mae"].IsNull());
+    EXPECT_TRUE((*report)["causal"]["single"]["yaw_rate_mae"].IsNumber());
+    EXPECT_TRUE((*report)["causal"]["filter"]["yaw_rate_mae"].IsNull()) << "the filter is off";
     for (const char* heading : {"gt_heading", "own_heading"}) {
       EXPECT_TRUE((*report)["trajectory"][heading]["ate_rmse"].IsNumber());
       EXPECT_TRUE((*report)["trajectory"][heading]["drift_percent"].IsNumber());
@@ -248,6 +269,9 @@ TEST(RealData, MeetsItsFigures) {
   const dataset::Tables tables = dataset::Tables::load(dataroot);
   VelocityEvaluationOptions options;
   options.extraction.doppler_scale = kNuscenesDopplerScale;
+  options.bearing_delay = kNuscenesBearingDelay;
+  options.filter = true;
+  options.filter_params.lateral_slip_std = 0.01;
   VelocityReport overall;
   for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
     const VelocityReport report = evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene), options);
@@ -260,7 +284,11 @@ TEST(RealData, MeetsItsFigures) {
   for (const auto& [variant, error] : overall.mae) best = std::min(best, error.value());
   EXPECT_LE(best, 0.115);
   EXPECT_LE(overall.models.at("planar_yaw").vx.value(), 0.057);
-  EXPECT_LE(overall.models.at("planar_yaw").yaw_rate.value(), 0.015);
+  EXPECT_LE(overall.models.at("planar_yaw").yaw_rate.value(), 0.0135);
+  EXPECT_LE(overall.filtered.vx.value(), 0.055);
+  EXPECT_LE(overall.filtered.vy.value(), 0.036);
+  EXPECT_LE(overall.filtered.yaw_rate.value(), 0.0087);
+  EXPECT_LE(overall.own_heading.driftPercent(), 4.0);
   EXPECT_GE(overall.dynamic_70m.f1(), 0.82);
   EXPECT_GE(overall.dynamic.f1(), 0.77);
   EXPECT_LE(overall.gt_heading.driftPercent(), 1.0);
