@@ -22,7 +22,7 @@ struct VelocityFilterParams {
   /// The yaw acceleration is a Gauss-Markov process. What bounds it is the rate at which the driver steers at
   /// low speeds and the lateral jerk at high ones: its sigma is min(curvature_rate |vx|, yaw_jerk / |vx|).
   double curvature_rate = 0.1;         ///< 1/(m s), change of the curvature of the path per second
-  double yaw_jerk = 0.4;              ///< m/s^3, rate of change of the centripetal acceleration
+  double yaw_jerk = 0.4;               ///< m/s^3, rate of change of the centripetal acceleration
   double yaw_acceleration_time = 0.5;  ///< s, correlation time
 
   /// rad, 1 sigma of the slip angle of the base frame's origin (the rear axle): vy is 0 within this share of
