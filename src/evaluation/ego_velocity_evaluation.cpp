@@ -6,16 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
-#include "mask_feedback.h"
-#include "mask_folder.h"
+#include "estimated_sweeps.h"
 #include "radar_dot/radar/odometry.h"
-#include "radar_dot/radar/sweep_assembler.h"
 #include "radar_scene.h"
 #include "wheel_speed.h"
 
@@ -25,37 +21,6 @@ namespace {
 using dataset::Index;
 
 constexpr double kReportedRange = 70.0;  // m; movers beyond are hardly annotated
-
-/// A velocity of the trajectory pass.
-struct EstimatedVelocity : StampedVelocity {
-  EstimatedVelocity(double stamp, const EgoVelocityResult& result)
-      : StampedVelocity{stamp, result.linear, result.angular}, covariance(result.covariance) {}
-  Eigen::Matrix<double, 6, 6> covariance;
-};
-
-/// What saved masks tell the estimator; nothing without them.
-class SavedMasks {
- public:
-  SavedMasks(const dataset::Tables& tables, Index scene, const VelocityEvaluationOptions& options)
-      : feedback_(options.max_mask_age) {
-    if (!options.mask_directory.empty())
-      folder_.emplace(tables, scene, options.mask_directory, options.mask_channel, options.mask_delay);
-  }
-  /// Marks the returns of the scans of an estimate at `time`, with the velocity estimated last before.
-  void mark(std::vector<RadarScan>& scans, const std::vector<EstimatedVelocity>& velocities, double time) {
-    if (!folder_) return;
-    const auto after =
-        std::upper_bound(velocities.begin(), velocities.end(), time,
-                         [](double t, const EstimatedVelocity& velocity) { return t < velocity.time; });
-    if (after == velocities.begin()) return;
-    feedback_.mark(
-        scans, [this](double scan_time) { return folder_->before(scan_time); }, *std::prev(after));
-  }
-
- private:
-  std::optional<MaskFolder> folder_;
-  MaskFeedback feedback_;
-};
 
 EgoVelocityParams variantParams(EgoVelocityParams params, const std::string& variant) {
   params.model = MotionModel::kPlanar;
@@ -84,83 +49,21 @@ std::vector<Interval> intervalsOf(const RadarScene& scene) {
   return intervals;
 }
 
-/// Every sweep of the scene, assembled as on a vehicle where each scan arrives at its stamp.
-std::vector<Sweep> assembleSweeps(const RadarScene& scene, const VelocityEvaluationOptions& options) {
-  std::vector<SweepScan> arrivals;
-  for (std::size_t radar = 0; radar < scene.radars.size(); ++radar) {
-    for (const LoadedScan& scan : scene.radars[radar].scans) {
-      // Not owned: the scene outlives its sweeps.
-      arrivals.push_back(
-          {radar, scan.time, std::shared_ptr<const void>(std::shared_ptr<const void>(), &scan)});
-    }
-  }
-  std::stable_sort(arrivals.begin(), arrivals.end(),
-                   [](const SweepScan& a, const SweepScan& b) { return a.time < b.time; });
-  SweepParams params;
-  params.window = options.window;
-  SweepAssembler assembler(scene.radars.size(), params);
-  std::vector<Sweep> sweeps;
-  std::vector<Sweep> completed;
-  for (SweepScan& scan : arrivals) {
-    assembler.add(std::move(scan), completed);
-    std::move(completed.begin(), completed.end(), std::back_inserter(sweeps));
-  }
-  return sweeps;
-}
-
-/// Estimates every sweep of the scene.
-std::vector<EstimatedVelocity> estimateSweeps(const RadarScene& scene,
-                                              const VelocityEvaluationOptions& options, SavedMasks& masks,
-                                              VelocityReport& report) {
-  std::vector<EstimatedVelocity> velocities;
-  EgoVelocityEstimator estimator(options.estimator);
-  AccelerationTracker tracker;
-  for (const Sweep& sweep : assembleSweeps(scene, options)) {
-    std::vector<RadarScan> scans;
-    for (const SweepScan& scan : sweep.scans) {
-      const auto* loaded = static_cast<const LoadedScan*>(scan.reading.get());
-      scans.push_back({&loaded->returns, scene.radars[scan.radar].T_base_from_sensor, scan.time, nullptr});
-    }
-    ++report.sweeps;
-    masks.mark(scans, velocities, sweep.time());
-    const EgoVelocityResult& result =
-        estimator.estimate(scans, sweep.time(), tracker.acceleration(sweep.time()));
-    if (!result.valid()) {
-      ++report.sweeps_refused;
-      continue;
-    }
-    if (result.observed[0]) tracker.add(sweep.time(), result.linear);
-    velocities.emplace_back(sweep.time(), result);
-  }
-  return velocities;
-}
-
-/// Acceleration from the velocities up to `time`.
-Eigen::Vector3d accelerationAt(const std::vector<EstimatedVelocity>& velocities, double time) {
-  AccelerationTracker tracker;
-  for (const EstimatedVelocity& velocity : velocities) {
-    if (velocity.time > time) break;
-    if (time - velocity.time < 1.0) tracker.add(velocity.time, velocity.linear);
-  }
-  return tracker.acceleration(time);
-}
-
-void addErrors(const EgoVelocityResult& result, const Eigen::Vector3d& truth, double true_yaw_rate,
+void addErrors(const EstimatedVelocity& estimate, const Eigen::Vector3d& truth, double true_yaw_rate,
                ModelErrors& errors) {
   const auto add = [&](int axis, double error, Mean& absolute, Mean& normalised) {
     absolute.add(std::abs(error));
-    if (result.observed[static_cast<std::size_t>(axis)])
-      normalised.add(error * error / result.covariance(axis, axis));
+    if (estimate.observed[static_cast<std::size_t>(axis)])
+      normalised.add(error * error / estimate.covariance(axis, axis));
   };
-  add(0, result.linear.x() - truth.x(), errors.vx, errors.normalised_vx);
-  add(1, result.linear.y() - truth.y(), errors.vy, errors.normalised_vy);
-  if (result.observed[5])
-    add(5, result.angular.z() - true_yaw_rate, errors.yaw_rate, errors.normalised_yaw_rate);
+  add(0, estimate.linear.x() - truth.x(), errors.vx, errors.normalised_vx);
+  add(1, estimate.linear.y() - truth.y(), errors.vy, errors.normalised_vy);
+  if (estimate.observed[5])
+    add(5, estimate.angular.z() - true_yaw_rate, errors.yaw_rate, errors.normalised_yaw_rate);
 }
 
 void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& options,
-                   const std::vector<EstimatedVelocity>& velocities, SavedMasks& masks,
-                   VelocityReport& report) {
+                   const EstimatedSweeps& sweeps, SavedMasks& masks, VelocityReport& report) {
   std::map<std::string, EgoVelocityEstimator> variants;
   for (const char* variant : kVariants) {
     variants.emplace(variant, EgoVelocityEstimator(variantParams(options.estimator, variant)));
@@ -181,8 +84,11 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
       const auto nearest = nearestScan(radar, middle, interval.half());
       if (nearest) scans.push_back(radar.scan(*nearest));
     }
-    masks.mark(scans, velocities, middle);
-    const Eigen::Vector3d acceleration = accelerationAt(velocities, middle);
+    masks.mark(scans, sweeps.velocities, middle);
+    // A model without a yaw rate knows of no turning of the bearings either.
+    std::vector<RadarScan> turned = scans;
+    turnBearings(turned, options.bearing_delay, yawRateAt(sweeps.velocities, middle));
+    const Eigen::Vector3d acceleration = accelerationAt(sweeps.velocities, middle);
     const Eigen::Vector3d truth = scene.truth.meanVelocity(interval.begin, interval.end);
     const double true_yaw_rate = scene.truth.meanYawRate(interval.begin, interval.end);
 
@@ -192,7 +98,8 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
       if (result.valid()) report.mae[name].add((result.linear - truth).head<2>().norm());
     }
     for (auto& [model, estimator] : models) {
-      const EgoVelocityResult& result = estimator.estimate(scans, middle, acceleration);
+      const bool with_yaw = model == MotionModel::kPlanarYaw || model == MotionModel::kAckermann;
+      const EgoVelocityResult& result = estimator.estimate(with_yaw ? turned : scans, middle, acceleration);
       const bool in_use = model == options.estimator.model;
       if (!result.valid()) {
         if (in_use) {
@@ -202,7 +109,7 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
         continue;
       }
       ModelErrors& errors = report.models[std::string(toString(model))];
-      addErrors(result, truth, true_yaw_rate, errors);
+      addErrors(EstimatedVelocity(middle, result), truth, true_yaw_rate, errors);
       if (model == MotionModel::kPlanarYaw) {
         const auto now = wheels.at(middle);
         const auto mean = wheels.mean(interval.begin, interval.end);
@@ -213,6 +120,21 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
       }
     }
   }
+}
+
+/// The latest velocity at or before the middle of each pair of keyframes, brought to it, as on a vehicle.
+void evaluateSweeps(const RadarScene& scene, const EstimatedSweeps& sweeps, VelocityReport& report) {
+  for (const Interval& interval : intervalsOf(scene)) {
+    const double middle = interval.middle();
+    const Eigen::Vector3d truth = scene.truth.meanVelocity(interval.begin, interval.end);
+    const double true_yaw_rate = scene.truth.meanYawRate(interval.begin, interval.end);
+    if (const EstimatedVelocity* velocity = latestAt(sweeps.velocities, middle))
+      addErrors(velocity->broughtTo(middle), truth, true_yaw_rate, report.causal);
+    if (const EstimatedVelocity* velocity = latestAt(sweeps.filtered, middle))
+      addErrors(velocity->broughtTo(middle), truth, true_yaw_rate, report.filtered);
+  }
+  report.filter_rejected = sweeps.filter_rejected;
+  report.filter_starts = sweeps.filter_starts;
 }
 
 /// Yaw error of every mount from its scans nearest to the middle of each pair of keyframes.
@@ -227,11 +149,14 @@ void evaluateMounts(const RadarScene& scene, const VelocityEvaluationOptions& op
       const auto nearest = nearestScan(radar, interval.middle(), interval.half());
       if (!nearest) continue;
       const Eigen::Vector3d angular(0.0, 0.0, scene.truth.meanYawRate(interval.begin, interval.end));
+      const double rotation = options.bearing_delay * angular.z();
       const Eigen::Vector3d velocity = scene.truth.meanVelocity(interval.begin, interval.end) +
                                        angular.cross(radar.T_base_from_sensor.translation());
       for (const DopplerReturn& measured : radar.scans[*nearest].returns) {
-        const Eigen::Vector3d bearing = R_base_from_sensor * measured.bearing.cast<double>();
-        const double residual = static_cast<double>(measured.doppler) + bearing.dot(velocity);
+        const Eigen::Vector3d bearing = Eigen::AngleAxisd(rotation, Eigen::Vector3d::UnitZ()) *
+                                        R_base_from_sensor * measured.bearing.cast<double>();
+        const double residual = static_cast<double>(measured.doppler) +
+                                rotation * static_cast<double>(measured.across) + bearing.dot(velocity);
         if (std::abs(residual) >= static_limit) continue;
         const double across = Eigen::Vector3d::UnitZ().cross(bearing).dot(velocity);
         error.numerator -= across * residual;
@@ -278,6 +203,7 @@ void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
     const double time = scene.keyframe_times[k];
     if (!scene.truth.covers(time)) continue;
     masks.mark(scans, velocities, time);
+    turnBearings(scans, options.bearing_delay, yawRateAt(velocities, time));
     const EgoVelocityResult& result = estimator.estimate(scans, time, accelerationAt(velocities, time));
     if (!result.valid()) continue;
     const std::vector<MovingBox> boxes = boxesAt(tables, sample);
@@ -348,6 +274,10 @@ VelocityReport& VelocityReport::operator+=(const VelocityReport& other) {
   }
   merge(mae, other.mae);
   merge(models, other.models);
+  causal += other.causal;
+  filtered += other.filtered;
+  filter_rejected += other.filter_rejected;
+  filter_starts += other.filter_starts;
   merge(mounts, other.mounts);
   wheel_estimate += other.wheel_estimate;
   wheel_ground_truth += other.wheel_ground_truth;
@@ -373,11 +303,14 @@ VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
     }
   }
   SavedMasks masks(tables, scene, options);
-  const std::vector<EstimatedVelocity> velocities = estimateSweeps(loaded, options, masks, report);
-  evaluatePairs(loaded, options, velocities, masks, report);
+  const EstimatedSweeps sweeps = estimateSweeps(loaded, options, masks);
+  report.sweeps = sweeps.count;
+  report.sweeps_refused = sweeps.refused;
+  evaluatePairs(loaded, options, sweeps, masks, report);
+  evaluateSweeps(loaded, sweeps, report);
   evaluateMounts(loaded, options, report);
-  evaluateTrajectory(loaded, velocities, report);
-  evaluateLabels(tables, loaded, options, velocities, masks, report);
+  evaluateTrajectory(loaded, options.filter ? sweeps.filtered : sweeps.velocities, report);
+  evaluateLabels(tables, loaded, options, sweeps.velocities, masks, report);
   return report;
 }
 

@@ -40,6 +40,18 @@ void writeTrajectory(JsonWriter& writer, const char* key, const TrajectoryError&
   writer.EndObject();
 }
 
+void writeErrors(JsonWriter& writer, const char* key, const ModelErrors& errors) {
+  writer.Key(key);
+  writer.StartObject();
+  number(writer, "vx_mae", errors.vx.value());
+  number(writer, "vy_mae", errors.vy.value());
+  number(writer, "yaw_rate_mae", errors.yaw_rate.value());
+  number(writer, "vx_normalised_squared", errors.normalised_vx.value());
+  number(writer, "vy_normalised_squared", errors.normalised_vy.value());
+  number(writer, "yaw_rate_normalised_squared", errors.normalised_yaw_rate.value());
+  writer.EndObject();
+}
+
 void writeReport(JsonWriter& writer, const VelocityReport& report, bool overall) {
   writer.StartObject();
   if (!overall) {
@@ -58,17 +70,14 @@ void writeReport(JsonWriter& writer, const VelocityReport& report, bool overall)
   writer.EndObject();
   writer.Key("models");
   writer.StartObject();
-  for (const auto& [model, errors] : report.models) {
-    writer.Key(model.c_str());
-    writer.StartObject();
-    number(writer, "vx_mae", errors.vx.value());
-    number(writer, "vy_mae", errors.vy.value());
-    number(writer, "yaw_rate_mae", errors.yaw_rate.value());
-    number(writer, "vx_normalised_squared", errors.normalised_vx.value());
-    number(writer, "vy_normalised_squared", errors.normalised_vy.value());
-    number(writer, "yaw_rate_normalised_squared", errors.normalised_yaw_rate.value());
-    writer.EndObject();
-  }
+  for (const auto& [model, errors] : report.models) writeErrors(writer, model.c_str(), errors);
+  writer.EndObject();
+  writer.Key("causal");
+  writer.StartObject();
+  writeErrors(writer, "single", report.causal);
+  writeErrors(writer, "filter", report.filtered);
+  count(writer, "rejected", report.filter_rejected);
+  count(writer, "starts", report.filter_starts);
   writer.EndObject();
   writer.Key("wheel_speed");
   writer.StartObject();
@@ -134,6 +143,25 @@ std::vector<Column> modelColumns() {
   return columns;
 }
 
+/// The latest estimate before the middle of each pair, single and filtered.
+std::vector<Column> causalColumns() {
+  std::vector<Column> columns;
+  for (const auto& [name, errors] :
+       {std::pair{"single", &VelocityReport::causal}, {"filter", &VelocityReport::filtered}}) {
+    const auto add = [&, which = errors](const char* axis, Mean ModelErrors::*mean, int decimals) {
+      columns.push_back({fmt::format("{}_{}", name, axis), [=](const VelocityReport& r) {
+                           return figure((r.*which.*mean).value(), decimals);
+                         }});
+    };
+    add("vx", &ModelErrors::vx, 3);
+    add("vy", &ModelErrors::vy, 3);
+    add("yaw_rate", &ModelErrors::yaw_rate, 4);
+  }
+  columns.push_back({"rejected", [](const VelocityReport& r) { return std::to_string(r.filter_rejected); }});
+  columns.push_back({"starts", [](const VelocityReport& r) { return std::to_string(r.filter_starts); }});
+  return columns;
+}
+
 std::vector<Column> outcomeColumns() {
   return {
       {"sweeps", [](const VelocityReport& r) { return std::to_string(r.sweeps); }},
@@ -189,6 +217,15 @@ std::string formatRows(const std::string& heading, const std::vector<Column>& co
 std::string formatTable(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
   const std::vector<Column> models = modelColumns();
   const auto split = models.begin() + 5;  // planar and planar_yaw, then the others
+  std::string causal;
+  if (overall.filtered.vx.count > 0) {
+    causal = formatRows(
+                 "Latest sweep at or before the middle of each pair, mean absolute error (m/s, rad/s): "
+                 "single, and "
+                 "filtered over the sweeps up to it; sweeps the filter rejected, and its starts",
+                 causalColumns(), scenes, overall) +
+             "\n";
+  }
   return formatRows(
              "Ego velocity, mean |v - v_gt| (m/s), planar model: B1 least squares on all returns, A1 on the "
              "static ones, B2/A2 with RANSAC, robust with reweighted refinement",
@@ -201,7 +238,7 @@ std::string formatTable(const std::vector<VelocityReport>& scenes, const Velocit
              "Motion models (continued); wheel_vx: planar_yaw against the rear wheels, wheel_vs_truth: the "
              "ground truth itself against them (m/s)",
              {split, models.end()}, scenes, overall) +
-         "\n" +
+         "\n" + causal +
          formatRows("Trajectory (m, drift in % of distance) and dynamic label against annotated boxes",
                     outcomeColumns(), scenes, overall) +
          "\n" +
@@ -222,7 +259,7 @@ std::string formatJson(const std::vector<VelocityReport>& scenes, const Velocity
 
 std::string formatCsv(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
   std::vector<Column> columns = estimatorColumns();
-  for (const auto& more : {modelColumns(), outcomeColumns()})
+  for (const auto& more : {modelColumns(), causalColumns(), outcomeColumns()})
     columns.insert(columns.end(), more.begin(), more.end());
   std::string text = "scene";
   for (const Column& column : columns) text += "," + column.title;

@@ -3,6 +3,8 @@
 #include "ego_messages.h"
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
 
 namespace radar_dot {
 
@@ -19,6 +21,28 @@ geometry_msgs::TwistWithCovarianceStamped twistMessage(const ros::Time& stamp, c
   message.twist.twist.angular.z = result.angular.z();
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(message.twist.covariance.data()) =
       result.covariance;
+  return message;
+}
+
+EgoStatus statusMessage(const ros::Time& stamp, const std::string& base_frame,
+                        const EgoVelocityParams& params, const EgoVelocityResult& result) {
+  EgoStatus message;
+  message.header.stamp = stamp;
+  message.header.frame_id = base_frame;
+  switch (result.status) {
+    case EstimateStatus::kOk: message.status = EgoStatus::OK; break;
+    case EstimateStatus::kTooFewReturns: message.status = EgoStatus::TOO_FEW_RETURNS; break;
+    case EstimateStatus::kDegenerateBearings: message.status = EgoStatus::DEGENERATE_BEARINGS; break;
+    case EstimateStatus::kNoConsensus: message.status = EgoStatus::NO_CONSENSUS; break;
+  }
+  message.model = std::string(toString(params.model));
+  message.solver = std::string(toString(params.solver));
+  message.return_count = static_cast<std::uint32_t>(result.return_count);
+  message.inlier_count = static_cast<std::uint32_t>(result.inlier_count);
+  message.dynamic_count = static_cast<std::uint32_t>(result.dynamic_count);
+  message.rms = result.rms;
+  message.condition_number = result.condition_number;
+  for (std::size_t i = 0; i < result.observed.size(); ++i) message.observed[i] = result.observed[i];
   return message;
 }
 

@@ -7,6 +7,7 @@
 
 #include <string>
 
+#include "radar_dot/EgoStatus.h"
 #include "radar_dot/radar/ego_velocity.h"
 
 namespace radar_dot {
@@ -14,5 +15,10 @@ namespace radar_dot {
 /// The velocity of a result: m/s and rad/s, in `base_frame`, with its covariance.
 geometry_msgs::TwistWithCovarianceStamped twistMessage(const ros::Time& stamp, const std::string& base_frame,
                                                        const EgoVelocityResult& result);
+
+/// Outcome, counts and quality of a result. Without what the estimator does not know: reason of the caller,
+/// counts of radars and of returns before the filters, computation time.
+EgoStatus statusMessage(const ros::Time& stamp, const std::string& base_frame,
+                        const EgoVelocityParams& params, const EgoVelocityResult& result);
 
 }  // namespace radar_dot

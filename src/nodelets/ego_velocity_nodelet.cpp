@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
 #include <utility>
@@ -25,6 +26,9 @@ constexpr double kStartPatience = 5.0;  // s, wall time
 
 // Frames that wait for their mount; more are names that vary from message to message.
 constexpr std::size_t kMaxMissingMounts = 100;
+
+// A yaw rate older than this does not tell how far the bearings have turned.
+constexpr double kMaxTurningAge = 1.0;  // s
 
 // A larger share of returns that are not finite is worth a warning.
 constexpr double kMaxShareNotFinite = 0.5;
@@ -52,6 +56,7 @@ void EgoVelocityNodelet::onInit() {
   estimator_monitor_ = std::make_unique<EstimatorMonitor>(expectation_);
 
   twist_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
+  raw_twist_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist_raw", 10);
   status_publisher_ = handle.advertise<EgoStatus>("ego/status", 10);
   static_publisher_ = handle.advertise<sensor_msgs::PointCloud2>("radar/static", 20);
   dynamic_publisher_ = handle.advertise<sensor_msgs::PointCloud2>("radar/dynamic", 20);
@@ -121,8 +126,12 @@ void EgoVelocityNodelet::applyConfig(const EgoVelocityConfig& config) {
   const DopplerExtractor check(common);
   EgoVelocityEstimator estimator(estimatorParams(config));
   const MaskFootprint footprint = maskFootprint(config);
+  VelocityFilter filter(filterParams(config));
 
   estimator_ = std::move(estimator);
+  filter_ = std::move(filter);
+  filters_ = config.filter;
+  bearing_delay_ = config.bearing_delay;
   mask_->configure(config.use_mask, config.mask_max_age, footprint);
   for (const std::unique_ptr<Radar>& radar : radars_) {
     ExtractionParams params = common;
@@ -258,6 +267,8 @@ void EgoVelocityNodelet::forgetThePast(const ros::Time& stamp) {
   NODELET_WARN("%s: time went back to %.3f s; starting anew", getName().c_str(), stamp.toSec());
   assembler_->reset();
   tracker_.reset();
+  filter_.reset();
+  turning_.reset();
   mask_->forget();
   estimator_monitor_->reset();
   for (const std::unique_ptr<Radar>& radar : radars_) {
@@ -296,6 +307,9 @@ std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(co
     estimated.T_base_from_sensor.linear() =
         Eigen::AngleAxisd(radar.config.mount_yaw_correction, Eigen::Vector3d::UnitZ()) * mount->linear();
     estimated.time = scan.time;
+    estimated.radar = scan.radar;
+    if (turning_ && std::abs(scan.time - turning_->time) < kMaxTurningAge)
+      estimated.bearing_rotation = bearing_delay_ * turning_->angular.z();
     mounted.push_back(
         {scan.radar, reading,
          mask_->marked(reading->returns, estimated.T_base_from_sensor, reading->cloud->header.stamp)});
@@ -327,38 +341,40 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
       NODELET_WARN("%s: no estimate: %s", getName().c_str(), reason.c_str());
     return;
   }
+  turning_ = StampedVelocity{sweep.time(), result.linear, result.angular};
   if (result.observed[0]) tracker_.add(sweep.time(), result.linear);
-  if (result.observed[0]) mask_->add({sweep.time(), result.linear, result.angular});
-  twist_publisher_.publish(twistMessage(stamp, extrinsics_->baseFrame(), result));
+  if (result.observed[0]) mask_->add(*turning_);
+  publishTwist(stamp, sweep.time(), scans, result);
   publishClouds(mounted, result);
+}
+
+void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, double time,
+                                      const std::vector<RadarScan>& scans, const EgoVelocityResult& result) {
+  const auto raw = twistMessage(stamp, extrinsics_->baseFrame(), result);
+  raw_twist_publisher_.publish(raw);
+  if (!filters_) {
+    twist_publisher_.publish(raw);
+    return;
+  }
+  const bool was_started = filter_.started();
+  const VelocityFilter::Outcome outcome = filter_.update(time, result, sensorVelocities(scans, result));
+  if (outcome == VelocityFilter::Outcome::kStarted && was_started && throttle_.allow("filter", "anew"))
+    NODELET_WARN("%s: the filter starts anew after a gap, or estimates against it", getName().c_str());
+  if (outcome == VelocityFilter::Outcome::kStale) return;
+  twist_publisher_.publish(
+      twistMessage(stamp, extrinsics_->baseFrame(), filteredResult(filter_.at(time), result)));
 }
 
 void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const EgoVelocityResult& result,
                                        const std::vector<MountedScan>& mounted, const std::string& reason,
                                        double computation_time) {
   if (status_publisher_.getNumSubscribers() == 0) return;
-  EgoStatus message;
-  message.header.stamp = stamp;
-  message.header.frame_id = extrinsics_->baseFrame();
-  switch (result.status) {
-    case EstimateStatus::kOk: message.status = EgoStatus::OK; break;
-    case EstimateStatus::kTooFewReturns: message.status = EgoStatus::TOO_FEW_RETURNS; break;
-    case EstimateStatus::kDegenerateBearings: message.status = EgoStatus::DEGENERATE_BEARINGS; break;
-    case EstimateStatus::kNoConsensus: message.status = EgoStatus::NO_CONSENSUS; break;
-  }
+  EgoStatus message = statusMessage(stamp, extrinsics_->baseFrame(), estimator_.params(), result);
   message.reason = reason;
-  message.model = std::string(toString(estimator_.params().model));
-  message.solver = std::string(toString(estimator_.params().solver));
   for (const MountedScan& scan : mounted) {
     message.total_count += static_cast<std::uint32_t>(scan.reading->counts.total);
   }
-  message.return_count = static_cast<std::uint32_t>(result.return_count);
-  message.inlier_count = static_cast<std::uint32_t>(result.inlier_count);
-  message.dynamic_count = static_cast<std::uint32_t>(result.dynamic_count);
   message.radar_count = static_cast<std::uint32_t>(mounted.size());
-  message.rms = result.rms;
-  message.condition_number = result.condition_number;
-  for (std::size_t i = 0; i < result.observed.size(); ++i) message.observed[i] = result.observed[i];
   message.computation_time = computation_time;
   status_publisher_.publish(message);
 }

@@ -24,6 +24,7 @@
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/radar/odometry.h"
 #include "radar_dot/radar/sweep_assembler.h"
+#include "radar_dot/radar/velocity_filter.h"
 #include "stamp_guard.h"
 
 namespace radar_dot {
@@ -81,6 +82,8 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   void publishStatus(const ros::Time& stamp, const EgoVelocityResult& result,
                      const std::vector<MountedScan>& mounted, const std::string& reason,
                      double computation_time);
+  void publishTwist(const ros::Time& stamp, double time, const std::vector<RadarScan>& scans,
+                    const EgoVelocityResult& result);
   void publishClouds(const std::vector<MountedScan>& scans, const EgoVelocityResult& result);
 
   std::unique_ptr<Extrinsics> extrinsics_;
@@ -94,11 +97,16 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   std::vector<Sweep> completed_;  // kept between calls for its memory
   EgoVelocityEstimator estimator_;
   AccelerationTracker tracker_;
+  VelocityFilter filter_;
+  bool filters_ = true;                     // publish the filtered velocity
+  double bearing_delay_ = 0.0;              // s
+  std::optional<StampedVelocity> turning_;  // of the latest estimate
   std::unique_ptr<MaskInput> mask_;
   ClockWatch clock_;
   std::map<std::string, ros::WallTime> mount_missing_since_;  // by frame
 
-  ros::Publisher twist_publisher_, status_publisher_, static_publisher_, dynamic_publisher_;
+  ros::Publisher twist_publisher_, raw_twist_publisher_, status_publisher_, static_publisher_,
+      dynamic_publisher_;
   LogThrottle throttle_;
   std::optional<EgoVelocityConfig> config_;
   std::unique_ptr<dynamic_reconfigure::Server<EgoVelocityConfig>> reconfigure_server_;

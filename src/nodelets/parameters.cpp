@@ -169,6 +169,23 @@ EgoVelocityParams estimatorParams(const EgoVelocityConfig& config) {
   return params;
 }
 
+VelocityFilterParams filterParams(const EgoVelocityConfig& config) {
+  if (!std::isfinite(config.bearing_delay)) throw std::invalid_argument("bearing_delay must be finite");
+  VelocityFilterParams params;
+  params.longitudinal_jerk = config.longitudinal_jerk;
+  params.lateral_jerk = config.lateral_jerk;
+  params.curvature_rate = config.curvature_rate;
+  params.yaw_jerk = config.yaw_jerk;
+  params.yaw_acceleration_time = config.yaw_acceleration_time;
+  params.lateral_slip_std = config.lateral_slip_std;
+  params.lateral_slip_time = config.lateral_slip_time;
+  params.mount_yaw_std = config.mount_yaw_std;
+  params.error_correlation_time = config.error_correlation_time;
+  params.max_rejected = config.max_rejected;
+  params.max_gap = config.max_filter_gap;
+  return params;
+}
+
 MaskFootprint maskFootprint(const EgoVelocityConfig& config) {
   if (!(config.mask_bottom < config.mask_top)) {
     throw std::invalid_argument("mask_bottom must be smaller than mask_top");
@@ -182,6 +199,7 @@ MendedConfig mendedConfig(const EgoVelocityConfig& config) {
       [](const EgoVelocityConfig& candidate) {
         const DopplerExtractor extractor(extractionParams(candidate));
         const EgoVelocityEstimator estimator(estimatorParams(candidate));
+        const VelocityFilter filter(filterParams(candidate));
         maskFootprint(candidate);
       },
       pairedParameters());

@@ -12,6 +12,7 @@
 #include "radar_dot/EgoVelocityConfig.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
+#include "radar_dot/radar/velocity_filter.h"
 #include "radar_dot/vision/mask_footprint.h"
 
 namespace radar_dot {
@@ -40,6 +41,9 @@ ExtractionParams extractionParams(const EgoVelocityConfig& config);
 
 /// Estimator and segmentation as configured. @throws std::invalid_argument.
 EgoVelocityParams estimatorParams(const EgoVelocityConfig& config);
+
+/// Filter over sweeps as configured. @throws std::invalid_argument.
+VelocityFilterParams filterParams(const EgoVelocityConfig& config);
 
 /// The column that a return stands for in a mask, as configured. @throws std::invalid_argument.
 MaskFootprint maskFootprint(const EgoVelocityConfig& config);

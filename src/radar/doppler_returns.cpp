@@ -122,11 +122,17 @@ ExtractionCounts DopplerExtractor::extract(const PointCloudView& cloud, std::vec
     const double y = layout_.y.read(point);
     const double z = layout_.z.present() ? layout_.z.read(point) : 0.0;
     const double range = std::sqrt(x * x + y * y + z * z);
-    const double doppler =
-        params_.doppler_scale *
-        (layout_.doppler.present()
-             ? layout_.doppler.read(point)
-             : (x * layout_.vx.read(point) + y * layout_.vy.read(point)) / std::hypot(x, y));
+    double doppler = 0.0;
+    double across = 0.0;
+    if (layout_.doppler.present()) {
+      doppler = params_.doppler_scale * layout_.doppler.read(point);
+    } else {
+      const double vx = layout_.vx.read(point);
+      const double vy = layout_.vy.read(point);
+      const double scale = params_.doppler_scale / std::hypot(x, y);
+      doppler = scale * (x * vx + y * vy);
+      across = scale * (x * vy - y * vx);
+    }
     if (!std::isfinite(range) || range <= 0.0 || !std::isfinite(doppler)) {
       ++counts.not_finite;
       continue;
@@ -153,6 +159,7 @@ ExtractionCounts DopplerExtractor::extract(const PointCloudView& cloud, std::vec
     accepted.bearing = Eigen::Vector3d(x / range, y / range, z / range).cast<float>();
     accepted.range = static_cast<float>(range);
     accepted.doppler = static_cast<float>(doppler);
+    accepted.across = static_cast<float>(across);
     accepted.index = static_cast<std::uint32_t>(i);
   }
   counts.accepted = returns.size();

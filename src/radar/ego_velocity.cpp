@@ -10,6 +10,7 @@
 #include "constraint_system.h"
 #include "model_axes.h"
 #include "segmentation.h"
+#include "turned_return.h"
 
 namespace radar_dot {
 
@@ -88,12 +89,13 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params,
     for (std::size_t i = 0; i < scan.returns->size(); ++i) {
       const DopplerReturn& measured = (*scan.returns)[i];
       Row row;
-      row.bearing = R_base_from_sensor * measured.bearing;
+      const TurnedReturn seen = turnedReturn(measured, R_base_from_sensor, scan.bearing_rotation);
+      row.bearing = seen.bearing;
       row.mount = mount;
       row.position = (mount + measured.range * row.bearing).head<2>();
       row.delay = delay;
       // v at the scan = v at the reference time - a (t_ref - t).
-      row.right_hand_side = -measured.doppler + row.bearing.dot(velocity_change);
+      row.right_hand_side = -seen.doppler + row.bearing.dot(velocity_change);
       row.usable = row.mount.allFinite() && row.position.allFinite() && std::isfinite(row.right_hand_side) &&
                    std::isfinite(row.delay);
       if (!row.usable) row = unusableRow();

@@ -42,6 +42,11 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "Factor on every Doppler velocity")
       ->check(CLI::Range(-10.0, 10.0))
       ->capture_default_str();
+  app.add_option(
+         "--bearing-delay", arguments.options.bearing_delay,
+         "s, by which the bearings of returns are later than their velocities; 0 for simulated scenes")
+      ->check(CLI::Range(-1.0, 1.0))
+      ->capture_default_str();
   app.add_option("--threshold", arguments.options.estimator.segmentation.threshold,
                  "tau of the two passes, m/s")
       ->check(CLI::Range(0.001, 100.0))
@@ -86,6 +91,30 @@ void declareMasks(CLI::App& app, VelocityEvaluationOptions& options) {
          "a vehicle has")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
+}
+
+void declareFilter(CLI::App& app, VelocityEvaluationOptions& options) {
+  radar_dot::VelocityFilterParams& filter = options.filter_params;
+  const auto add = [&app](const char* name, double& value, double lowest, double highest,
+                          const char* meaning) {
+    app.add_option(name, value, meaning)->check(CLI::Range(lowest, highest))->capture_default_str();
+  };
+  app.add_flag("--filter", options.filter, "Evaluate the causal filter over sweeps too");
+  app.add_flag("!--filter-joint", options.filter_radars,
+               "The filter takes the joint estimates alone, not each radar by itself");
+  add("--filter-jerk", filter.longitudinal_jerk, 1e-3, 100.0, "Change of the acceleration per second, m/s^3");
+  add("--filter-lateral-jerk", filter.lateral_jerk, 1e-3, 100.0, "The same of the sideslip velocity, m/s^3");
+  add("--filter-curvature-rate", filter.curvature_rate, 1e-4, 10.0,
+      "1 sigma of the yaw acceleration per m/s at low speed, 1/(m s)");
+  add("--filter-yaw-jerk", filter.yaw_jerk, 1e-3, 100.0, "The same times the speed at high speed, m/s^3");
+  add("--filter-yaw-time", filter.yaw_acceleration_time, 0.01, 100.0,
+      "Correlation time of the yaw acceleration, s");
+  add("--lateral-slip-std", filter.lateral_slip_std, 0.0, 1.0,
+      "1 sigma of the slip angle at the rear axle, rad; 0 = nothing is assumed");
+  add("--mount-yaw-std", filter.mount_yaw_std, 0.0, 1.0,
+      "1 sigma of the yaw of the mounts, which the filter learns, rad; 0 = exact");
+  add("--error-correlation", filter.error_correlation_time, 0.0, 10.0,
+      "For how long the errors of a radar are alike, s");
 }
 
 /// "RADAR_FRONT=-0.012" -> {"RADAR_FRONT", -0.012}.
@@ -151,8 +180,12 @@ int main(int argc, char** argv) {
   CLI::App app("Scores the radar ego velocity, trajectory and static/dynamic labels on a nuScenes dataroot.");
   Arguments arguments;
   arguments.options.extraction.doppler_scale = radar_dot::evaluation::kNuscenesDopplerScale;
+  // The origin of the nuScenes base frame is the middle of the rear axle, which hardly slips.
+  arguments.options.filter_params.lateral_slip_std = 0.01;
+  arguments.options.bearing_delay = radar_dot::evaluation::kNuscenesBearingDelay;
   declare(app, arguments);
   declareMasks(app, arguments.options);
+  declareFilter(app, arguments.options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -40,6 +40,13 @@ TEST_F(EvaluateEgoVelocity, WritesTableJsonAndCsv) {
   EXPECT_FALSE(std::filesystem::exists(json.string() + ".partial"));
 }
 
+TEST_F(EvaluateEgoVelocity, TheFilterHasATableOfItsOwn) {
+  const std::string title = "filtered over the sweeps";
+  EXPECT_NE(runTool(dataroot() + " --filter --mount-yaw-std 0.01").text.find(title), std::string::npos);
+  EXPECT_NE(runTool(dataroot() + " --filter --filter-joint").text.find(title), std::string::npos);
+  EXPECT_EQ(runTool(dataroot()).text.find(title), std::string::npos);
+}
+
 void expectRefusal(const std::string& arguments, const std::string& part) {
   test::expectOneLineRefusal(std::string(TOOL) + " " + arguments, "evaluate_ego_velocity", part);
 }
@@ -63,6 +70,8 @@ TEST_F(EvaluateEgoVelocity, BadOptionsGetOneLine) {
   expectRefusal(dataroot() + " --iterations 0", "--iterations");
   expectRefusal(dataroot() + " --doppler-scale 0", "doppler_scale");
   expectRefusal(dataroot() + " --no-such-option", "--no-such-option");
+  expectRefusal(dataroot() + " --filter --filter-jerk 0", "--filter-jerk");
+  expectRefusal(dataroot() + " --bearing-delay 5", "--bearing-delay");
   expectRefusal(dataroot() + " --mount-yaw-correction RADAR_FRONT", "CHANNEL=RAD");
   expectRefusal(dataroot() + " --mount-yaw-correction RADAR_FRONT=nan", "RADAR_FRONT");
   expectRefusal(dataroot() + " --mount-yaw-correction RADAR_TYPO=0.1", "RADAR_TYPO");

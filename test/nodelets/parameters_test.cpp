@@ -56,6 +56,22 @@ TEST(Parameters, DefaultsOfTheConfigAreThoseOfTheEstimator) {
   EXPECT_EQ(configured.segmentation.neighbour_velocity, expected.segmentation.neighbour_velocity);
 }
 
+TEST(Parameters, DefaultsOfTheConfigAreThoseOfTheFilter) {
+  const VelocityFilterParams configured = filterParams(EgoVelocityConfig::__getDefault__());
+  const VelocityFilterParams expected;
+  EXPECT_EQ(configured.longitudinal_jerk, expected.longitudinal_jerk);
+  EXPECT_EQ(configured.lateral_jerk, expected.lateral_jerk);
+  EXPECT_EQ(configured.curvature_rate, expected.curvature_rate);
+  EXPECT_EQ(configured.yaw_jerk, expected.yaw_jerk);
+  EXPECT_EQ(configured.yaw_acceleration_time, expected.yaw_acceleration_time);
+  EXPECT_EQ(configured.lateral_slip_std, expected.lateral_slip_std);
+  EXPECT_EQ(configured.lateral_slip_time, expected.lateral_slip_time);
+  EXPECT_EQ(configured.mount_yaw_std, expected.mount_yaw_std);
+  EXPECT_EQ(configured.error_correlation_time, expected.error_correlation_time);
+  EXPECT_EQ(configured.max_rejected, expected.max_rejected);
+  EXPECT_EQ(configured.max_gap, expected.max_gap);
+}
+
 TEST(Parameters, EveryModelAndSolverOfTheConfigIsKnown) {
   EgoVelocityConfig config = EgoVelocityConfig::__getDefault__();
   for (const char* model :

@@ -18,6 +18,7 @@
 #include "radar_dot/evaluation/trajectory.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
+#include "radar_dot/radar/velocity_filter.h"
 
 namespace radar_dot::evaluation {
 
@@ -26,6 +27,11 @@ namespace radar_dot::evaluation {
 /// as level, and their range rate is smaller by the cosine of the elevation.
 inline constexpr double kNuscenesDopplerScale = 1.0035;
 
+/// The positions of the nuScenes radars are where static objects stand half a scan cycle after the velocities
+/// were measured, in a turning vehicle: the returns of turns in scenes of one vehicle say 0.0380 and 0.0373
+/// s, give or take 0.0005.
+inline constexpr double kNuscenesBearingDelay = 0.038;
+
 /// What is evaluated, and with which parameters.
 struct VelocityEvaluationOptions {
   std::vector<std::string> channels;  ///< empty = every radar of the scene
@@ -33,6 +39,12 @@ struct VelocityEvaluationOptions {
   /// Model, solver and passes vary over the table; everything else is taken from here.
   EgoVelocityParams estimator;
   double window = 0.1;  ///< s, age of the oldest scan of a sweep
+  /// s, by which the bearings of returns are later than their velocities. Every scan is turned back by the
+  /// yaw rate estimated last.
+  double bearing_delay = 0.0;
+  bool filter = false;  ///< evaluate the causal filter over sweeps as well
+  VelocityFilterParams filter_params;
+  bool filter_radars = true;  ///< the filter takes each radar by itself; else the joint estimates
   /// rad, by channel: added to the yaw of the calibrated mount.
   std::map<std::string, double> mount_yaw_corrections;
   LabelParams labels;
@@ -87,6 +99,9 @@ struct VelocityReport {
   std::map<std::string, std::size_t> refusals;  ///< by reason
   std::map<std::string, Mean> mae;              ///< by variant: |v - v_gt|, m/s
   std::map<std::string, ModelErrors> models;    ///< by motion model
+  /// Of the latest sweep at or before the middle of a pair, as it is, and filtered: what a vehicle has then.
+  ModelErrors causal, filtered;
+  std::size_t filter_rejected = 0, filter_starts = 0;  ///< sweeps
   /// Forward speed against the rear wheels of the CAN bus, m/s: of the estimate (planar_yaw), and
   /// of the poses themselves, which shows how much of an error is the ground truth's own.
   Mean wheel_estimate, wheel_ground_truth;

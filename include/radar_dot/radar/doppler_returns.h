@@ -20,7 +20,10 @@ struct DopplerReturn {
   Eigen::Vector3f bearing = Eigen::Vector3f::UnitX();  ///< unit vector from the sensor to the return
   float range = 0.F;                                   ///< m
   float doppler = 0.F;                                 ///< range rate, m/s: positive when the range grows
-  std::uint32_t index = 0;                             ///< record in the cloud it came from
+  /// m/s, of the reported velocity vector across the bearing, positive to its left; 0 where the cloud gives
+  /// a range rate alone.
+  float across = 0.F;
+  std::uint32_t index = 0;  ///< record in the cloud it came from
 };
 
 /// Where a return lies, m, base frame.

@@ -83,6 +83,11 @@ struct RadarScan {
   /// Optional, as long as *returns: nonzero = known to move (from an image mask), kept out of the
   /// estimate and labelled dynamic.
   const std::vector<std::uint8_t>* known_dynamic = nullptr;
+  /// rad, counter-clockwise in the base frame: turns the bearings of the scan to where they were when the
+  /// velocities were measured. A radar that brings its positions forward by the time T while the vehicle
+  /// turns with the rate w needs T w, see ExtractionParams.
+  double bearing_rotation = 0.0;
+  std::size_t radar = 0;  ///< number of the radar, the same in all sweeps; for sensorVelocities alone
 };
 
 /// What became of an estimate.

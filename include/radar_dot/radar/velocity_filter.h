@@ -1,0 +1,145 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "radar_dot/radar/sensor_velocity.h"
+
+namespace radar_dot {
+
+/// Parameters of VelocityFilter.
+struct VelocityFilterParams {
+  /// How fast accelerations change, m/s^3: 1 sigma of the change of the acceleration in one second (the
+  /// spectral density of the white jerk is its square times 1 s).
+  double longitudinal_jerk = 1.5;
+  double lateral_jerk = 0.3;  ///< m/s^3, the same of the sideslip velocity vy
+
+  /// The yaw acceleration is a Gauss-Markov process. What bounds it is the rate at which the driver steers at
+  /// low speeds and the lateral jerk at high ones: its sigma is min(curvature_rate |vx|, yaw_jerk / |vx|).
+  double curvature_rate = 0.1;         ///< 1/(m s), change of the curvature of the path per second
+  double yaw_jerk = 0.4;               ///< m/s^3, rate of change of the centripetal acceleration
+  double yaw_acceleration_time = 0.5;  ///< s, correlation time
+
+  /// rad, 1 sigma of the slip angle of the base frame's origin (the rear axle): vy is 0 within this share of
+  /// |vx| plus 0.02 m/s. 0 = nothing is assumed of vy.
+  double lateral_slip_std = 0.0;
+  double lateral_slip_time = 2.0;  ///< s, correlation time of the slip
+
+  /// rad, 1 sigma of the yaw of each radar's mount, which the filter learns. 0 = mounts are exact.
+  double mount_yaw_std = 0.005;
+
+  /// s, for which the errors of successive measurements are alike: the same objects are seen again.
+  /// Measurements that are closer in time count accordingly less.
+  double error_correlation_time = 0.15;
+
+  int max_rejected = 5;  ///< updates in a row that contradict the filter; then it starts anew
+  double max_gap = 1.0;  ///< s without an update, after which it starts anew
+};
+
+/// @throws std::invalid_argument naming the parameter that makes no sense.
+void validate(const VelocityFilterParams& params);
+
+/// Causal Kalman filter over the velocity estimates of a vehicle's radars.
+///
+/// State, in the base frame:
+///     x = [vx, vy, w, ax, ay, alpha, psi_1 ... psi_n],   m/s, rad/s, m/s^2, rad/s^2, rad
+/// velocity of the origin, yaw rate, their rates of change, and the yaw by which each radar's mount is turned
+/// from its calibration. vx and vy change with constant acceleration driven by white jerk; alpha is a
+/// Gauss-Markov process (Singer's model of manoeuvring targets, IEEE Trans. AES-6, 1970); the psi are
+/// constants.
+///
+/// Measurements, either or both:
+/// - a velocity estimate of all radars together, z = [vx, vy, w] (update with a covariance), or
+/// - the velocity over ground of each radar by itself at the time of its own scan (update with sensor
+/// velocities),
+///       z_i = (v + w x t_i) + psi_i (v + w x t_i) x z,       t_i the lever arm,
+///   linearised at the prediction. Three or more radars overdetermine the motion, which shows how their
+///   mounts are turned against each other; a rotation common to all, and one that grows along the vehicle,
+///   differ from a sideslip and a curve only by lateral_slip_std and mount_yaw_std.
+/// Each measurement must lie within the 99.9 % ellipsoid of its innovation covariance. Updates are in Joseph
+/// form.
+///
+/// An update in which more measurements were refused than used is rejected. After max_rejected of them in a
+/// row, or a gap, the filter starts anew from the estimate at hand and keeps what it learnt of the mounts.
+///
+/// Bar-Shalom, Li, Kirubarajan: Estimation with Applications to Tracking and Navigation, 2001, chapters 5
+/// and 6.
+class VelocityFilter {
+ public:
+  /// What became of an update.
+  enum class Outcome : std::uint8_t {
+    kStarted,  ///< first estimate, after a reset, a gap, or too many rejections
+    kUpdated,
+    kRejected,  ///< contradicts the filter: only predicted
+    kStale,     ///< not later than the update before, or not finite: no change
+  };
+
+  /// Velocity [vx, vy, w] and its covariance, m/s and rad/s.
+  struct State {
+    double time = 0.0;  ///< s
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< of `velocity`, per second
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();    ///< of `velocity`
+  };
+
+  /// @throws std::invalid_argument naming the parameter that makes no sense.
+  explicit VelocityFilter(const VelocityFilterParams& params = {});
+
+  /// A velocity [vx, vy, w] at `time` (s) and its covariance.
+  Outcome update(double time, const Eigen::Vector3d& velocity, const Eigen::Matrix3d& covariance);
+
+  /// The radars of one sweep, each at its own time, which may precede the update before by a little. The
+  /// joint estimate starts the filter and is not used otherwise, unless there are no sensor velocities.
+  Outcome update(double time, const Eigen::Vector3d& velocity, const Eigen::Matrix3d& covariance,
+                 const std::vector<SensorVelocity>& sensors);
+
+  /// The same of an estimate of EgoVelocityEstimator, whatever its motion model.
+  Outcome update(double time, const EgoVelocityResult& result, const std::vector<SensorVelocity>& sensors);
+
+  bool started() const noexcept { return started_; }
+  /// The state brought forward to `time`, at the earliest that of the latest update. Only when started.
+  State at(double time) const;
+  const Eigen::VectorXd& state() const noexcept { return state_; }            ///< x, at time()
+  const Eigen::MatrixXd& covariance() const noexcept { return covariance_; }  ///< of x
+  double time() const noexcept { return time_; }                              ///< s, of the latest update
+  /// rad, to be added to the yaw of the mount; 0 for radars not seen yet.
+  double mountYaw(std::size_t radar) const;
+  /// Forgets everything, what was learnt of the mounts as well.
+  void reset();
+
+  const VelocityFilterParams& params() const noexcept { return params_; }
+
+ private:
+  struct Measurement;
+  void start(double time, const Eigen::Vector3d& velocity, const Eigen::Matrix3d& covariance);
+  bool acceptsTime(double time) const;
+  void predict(double time);
+  void constrainSlip(double interval);
+  Measurement measurementOf(const SensorVelocity& sensor) const;
+  bool correct(const Measurement& measurement);
+  Outcome conclude(double time, const Eigen::Vector3d& velocity, const Eigen::Matrix3d& covariance,
+                   std::size_t used, std::size_t refused);
+  void addMounts(std::size_t count);
+
+  VelocityFilterParams params_;
+  bool started_ = false;
+  double time_ = 0.0;         ///< s, the state holds at
+  double last_update_ = 0.0;  ///< s
+  int rejected_ = 0;          ///< in a row
+  Eigen::VectorXd state_;
+  Eigen::MatrixXd covariance_;
+  std::vector<double> last_scan_;  ///< s, by radar: of its latest used measurement
+};
+std::string_view toString(VelocityFilter::Outcome outcome) noexcept;
+
+/// Velocity, covariance and observed axes of a filtered estimate: vx, vy and the yaw rate of `state`, the
+/// other axes and the figures of the latest single estimate. Without residuals and labels, which belong to
+/// that one.
+EgoVelocityResult filteredResult(const VelocityFilter::State& state, const EgoVelocityResult& result);
+
+}  // namespace radar_dot
