@@ -110,6 +110,8 @@ FlowField SceneImages::flowOf(const ImagePair& pair, const MotionInput& input) {
   field = flow_->compute(pictureOf(pair.first), pictureOf(pair.second), expected);
   if (field.flow.size() == size) return field;
   if (!field.valid.empty()) field.valid = resizeNearest(field.valid, size);
+  if (!field.closure.empty())
+    field.closure = resizeNearest(field.closure, size) * (static_cast<double>(size.width) / field.flow.cols);
   field.flow = resizeFlow(field.flow, size);
   return field;
 }

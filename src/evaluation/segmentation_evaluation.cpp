@@ -50,11 +50,13 @@ class SceneRunner {
  private:
   struct Velocity {
     Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
-    std::vector<Eigen::Vector3f> dynamic_points;  // m, base frame, nearest to the begin
+    // m, base frame, nearest to the begin
+    std::vector<Eigen::Vector3f> dynamic_points, static_points;
   };
   std::vector<RadarScan> scansAt(double time);
   std::optional<Velocity> velocityOf(double begin, double end);
   std::optional<Eigen::Isometry3d> motionOf(const ImagePair& pair, MotionInput& input, Mean& velocity_error);
+  void refine(const ImagePair& pair, MotionInput& input);
   void remember(const ImagePair& pair, const cv::Mat& mask, const CameraIntrinsics& grid);
   cv::Mat ignoredOf(const ImagePair& pair, const CameraIntrinsics& grid, double pixel_scale);
 
@@ -105,8 +107,11 @@ std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, doubl
         // Returns that only a mask called dynamic must not confirm that mask.
         const bool own_motion = std::abs(static_cast<double>(result.residuals[index])) >=
                                 options_.estimator.segmentation.supported_threshold;
-        if (result.labels[index] != ReturnLabel::kDynamic || !own_motion) continue;
-        mean.dynamic_points.push_back(positionOf((*scans[scan].returns)[k], scans[scan].T_base_from_sensor));
+        const Eigen::Vector3f position =
+            positionOf((*scans[scan].returns)[k], scans[scan].T_base_from_sensor);
+        if (result.labels[index] == ReturnLabel::kStatic) mean.static_points.push_back(position);
+        if (result.labels[index] == ReturnLabel::kDynamic && own_motion)
+          mean.dynamic_points.push_back(position);
       }
     }
   }
@@ -130,7 +135,7 @@ std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, Mo
   const double end = secondsOf(images_.reading(pair.second));
   const Eigen::Isometry3d truth = images_.trueMotion(pair);
   if (options_.velocity == "ground_truth" && options_.rotation == "ground_truth" &&
-      options_.motion.radar_gain == 0.0)
+      options_.motion.radar_gain == 0.0 && options_.motion.static_gain == 0.0)
     return truth;
   const std::optional<Velocity> velocity = velocityOf(begin, end);
   if (!velocity && options_.velocity == "ground_truth" && options_.rotation == "ground_truth") return truth;
@@ -142,11 +147,29 @@ std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, Mo
   const Eigen::Isometry3f T_camera_from_base = images_.mountOf(first).inverse().cast<float>();
   for (const Eigen::Vector3f& point : velocity->dynamic_points)
     input.dynamic_points.emplace_back(T_camera_from_base * point);
+  for (const Eigen::Vector3f& point : velocity->static_points)
+    input.static_points.emplace_back(T_camera_from_base * point);
   Eigen::Isometry3d motion = options_.rotation == "ground_truth"
                                  ? baseMotionWithRotation(velocity->linear, truth.linear(), end - begin)
                                  : baseMotion(velocity->linear, velocity->angular, end - begin);
   if (options_.velocity == "ground_truth") motion.translation() = truth.translation();
   return motion;
+}
+
+/// Motion, its covariance, and where depth shows the ground, both depths.
+void SceneRunner::refine(const ImagePair& pair, MotionInput& input) {
+  std::optional<GroundPlane> ground;
+  if (options_.depth == "radar_ground") {
+    ground = GroundPlane{images_.mountOf(images_.reading(pair.first)), options_.depth_params.ground_height,
+                         options_.depth_params.ground_pitch};
+  }
+  const RefinedMotion refined = refineMotion(input, ground, options_.refinement);
+  input.T_current_from_previous = refined.T_current_from_previous;
+  input.motion_covariance = refined.covariance;
+  if (!ground) return;
+  const double farthest = options_.depth_params.max_depth;
+  input.depth = exchangeGround(input.depth, input.camera, *ground, *refined.ground, farthest);
+  input.next_depth = exchangeGround(input.next_depth, input.camera, *ground, *refined.ground, farthest);
 }
 
 /// Movers whose true flow hardly differs from that of a static world, or that the other image does not show.
@@ -202,8 +225,20 @@ void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, Segmenta
     input.next_depth = images_.depthOf(pair.second);
     const FlowField field = images_.flowOf(pair, input);
     input.flow = field.flow;
-    input.flow_valid = field.valid;
+    const bool by_uncertainty = options_.motion.score == MotionScore::kUncertainty;
+    // The gap between flow there and back is noise to this score, and no reason to leave a pixel out.
+    if (by_uncertainty && !field.closure.empty()) {
+      input.flow_closure = field.closure;
+    } else {
+      input.flow_valid = field.valid;
+    }
     const auto start = std::chrono::steady_clock::now();
+    if (by_uncertainty || options_.refine) {
+      const double dt = secondsOf(images_.reading(pair.second)) - secondsOf(images_.reading(pair.first));
+      input.motion_covariance = cameraCovariance(images_.mountOf(images_.reading(pair.first)),
+                                                 baseMotionCovariance(options_.motion_uncertainty, dt));
+    }
+    if (options_.refine) refine(pair, input);
     mask = segmenter_.segment(input).mask.clone();
     report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     remember(pair, mask, input.camera);

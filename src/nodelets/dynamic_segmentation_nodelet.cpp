@@ -185,7 +185,7 @@ DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gatherDepths(Wa
     missing = "nothing on '" + depth_input_->topic() + "' with the stamp of the flow's first image";
     return depths_.isPast(first) ? Gathered::kNever : Gathered::kMayCome;
   }
-  if (config_.lambda == 0.0) return Gathered::kAll;
+  if (config_.score == "paper" && config_.lambda == 0.0) return Gathered::kAll;
   if (!waiting.next_depth) waiting.next_depth = depths_.find(second);
   if (waiting.next_depth || depths_.isPast(second)) return Gathered::kAll;
   missing = "nothing on '" + depth_input_->topic() + "' with the stamp of the flow's second image";
@@ -219,6 +219,9 @@ DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gather(WaitingF
   }
   inputs.without_rotation = motion.without_rotation;
   inputs.motion.T_current_from_previous = staticPointMotion(*T_base_from_camera, *motion.T_begin_from_end);
+  const double dt = (inputs.flow->second_stamp - inputs.flow->header.stamp).toSec();
+  inputs.motion.motion_covariance =
+      cameraCovariance(*T_base_from_camera, baseMotionCovariance(motionUncertainty(config_), std::abs(dt)));
   placeOnGrid(inputs);
   if (config_.radar_gain > 0.0)
     inputs.motion.dynamic_points = dynamicPoints(inputs.flow->header.stamp, *T_base_from_camera);
@@ -290,7 +293,8 @@ void DynamicSegmentationNodelet::segment(const Inputs& inputs) {
   ++masks_;
   ++masks_since_report_;
   last_mask_ = ros::WallTime::now();
-  if (config_.lambda > 0.0 && !inputs.next_depth) ++without_next_depth_since_report_;
+  const bool wants_next_depth = config_.score != "paper" || config_.lambda > 0.0;
+  if (wants_next_depth && !inputs.next_depth) ++without_next_depth_since_report_;
   if (inputs.without_rotation) {
     ++without_rotation_since_report_;
     warn("rotation", "no rotation at the stamps of the images from " + motion_->rotationText() +

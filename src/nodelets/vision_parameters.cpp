@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vision_parameters.h"
 
+#include <stdexcept>
+
 namespace radar_dot {
 namespace {
 
@@ -50,6 +52,17 @@ DepthParams depthParams(const DepthConfig& config) {
 
 MotionParams motionParams(const DynamicSegmentationConfig& config) {
   MotionParams params;
+  if (config.score != "paper" && config.score != "uncertainty")
+    throw std::invalid_argument("score '" + config.score + "' is not one of paper, uncertainty");
+  params.score = config.score == "paper" ? MotionScore::kPaper : MotionScore::kUncertainty;
+  params.flow_std = config.flow_std;
+  params.flow_std_relative = config.flow_std_relative;
+  params.closure_weight = config.closure_weight;
+  params.depth_std = config.depth_std;
+  params.next_depth_std = config.next_depth_std;
+  params.false_alarm = config.false_alarm;
+  params.growth = config.growth;
+  params.radar_azimuth_std = config.radar_azimuth_std;
   params.k = config.k;
   params.lambda = config.lambda;
   params.min_depth = config.min_depth;
@@ -63,6 +76,16 @@ MotionParams motionParams(const DynamicSegmentationConfig& config) {
   params.radar_gain = config.radar_gain;
   params.radar_radius = config.radar_radius;
   return params;
+}
+
+MotionUncertainty motionUncertainty(const DynamicSegmentationConfig& config) {
+  MotionUncertainty uncertainty;
+  uncertainty.forward_velocity_std = config.forward_velocity_std;
+  uncertainty.lateral_velocity_std = config.lateral_velocity_std;
+  uncertainty.vertical_velocity_std = config.vertical_velocity_std;
+  uncertainty.yaw_rate_std = config.yaw_rate_std;
+  uncertainty.tilt_std = config.tilt_std;
+  return uncertainty;
 }
 
 }  // namespace radar_dot

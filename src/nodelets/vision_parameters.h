@@ -6,6 +6,7 @@
 #include "radar_dot/DynamicSegmentationConfig.h"
 #include "radar_dot/OpticalFlowConfig.h"
 #include "radar_dot/vision/depth_estimator.h"
+#include "radar_dot/vision/motion_refinement.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "radar_dot/vision/optical_flow.h"
 
@@ -15,7 +16,9 @@ namespace radar_dot {
 /// room (makeOpticalFlow, makeDepthEstimator, validate).
 OpticalFlowParams opticalFlowParams(const OpticalFlowConfig& config);
 DepthParams depthParams(const DepthConfig& config);
+/// @throws std::invalid_argument for a score that is not known
 MotionParams motionParams(const DynamicSegmentationConfig& config);
+MotionUncertainty motionUncertainty(const DynamicSegmentationConfig& config);
 
 /// The name of the depth backend that takes somebody else's depth.
 inline constexpr const char* kTopicBackend = "topic";

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "depth_options.h"
+#include "motion_options.h"
 #include "network_options.h"
+#include "radar_dot/evaluation/ablation.h"
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
 #include "radar_dot/evaluation/loop_comparison.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
@@ -21,6 +23,7 @@
 namespace {
 
 namespace dataset = radar_dot::dataset;
+using radar_dot::evaluation::AblationResult;
 using radar_dot::evaluation::LoopResult;
 using radar_dot::evaluation::SegmentationEvaluationOptions;
 using radar_dot::evaluation::SegmentationReport;
@@ -32,6 +35,7 @@ struct Arguments {
   std::vector<std::string> scenes, merge;
   int jobs = 1;
   bool compare_loop = false;
+  bool ablation = false;
   std::string initialisation;
   radar_dot::tools::ResultFiles files;
   SegmentationEvaluationOptions options;
@@ -90,6 +94,8 @@ void declareMethod(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_flag("--predicted-in-view,!--no-predicted-in-view", motion.predicted_in_view,
                "Exclude pixels whose prediction leaves the image (default: on)");
+  radar_dot::tools::declareScore(app, motion);
+  radar_dot::tools::declareRefinement(app, options.refine, options.motion_uncertainty);
   radar_dot::OpticalFlowParams& flow = options.optical_flow;
   app.add_option("--preset", flow.preset, "ultrafast, fast, medium, fine (dis)")->capture_default_str();
   app.add_option("--initialisation", arguments.initialisation,
@@ -120,6 +126,13 @@ void declareLoop(CLI::App& app, Arguments& arguments) {
                "both, and compare them in a table, and in --json");
 }
 
+void declareAblation(CLI::App& app, Arguments& arguments) {
+  app.add_flag("--ablation", arguments.ablation,
+               "From the paper's masks to the best, step by step: the score by uncertainty, refined motion, "
+               "radar evidence; one table, and in --json")
+      ->excludes("--compare-loop");
+}
+
 void declareOutputs(CLI::App& app, Arguments& arguments) {
   arguments.files.declare(app);
   app.add_option("--save-masks", arguments.options.mask_directory, "Write every mask to this folder, as PNG");
@@ -136,6 +149,7 @@ struct Results {
   std::vector<SegmentationReport> scenes;
   SegmentationReport overall;
   std::vector<LoopResult> loop;
+  std::vector<AblationResult> ablation;
 };
 
 SegmentationReport sumOf(const std::vector<SegmentationReport>& reports) {
@@ -163,6 +177,11 @@ Results evaluateAll(const Arguments& arguments) {
   if (arguments.compare_loop && arguments.options.velocity == "ground_truth") {
     throw std::invalid_argument("--compare-loop needs a velocity by radar, not --velocity ground_truth");
   }
+  if (arguments.ablation) {
+    variants.clear();
+    for (const auto& step : radar_dot::evaluation::ablationSteps(options)) variants.push_back(step.options);
+    own = variants.size() - 1;  // the best
+  }
   if (arguments.compare_loop) {
     variants = radar_dot::evaluation::loopVariants(options);
     own = radar_dot::evaluation::ownVariant(options);
@@ -173,7 +192,13 @@ Results evaluateAll(const Arguments& arguments) {
   for (const std::string& line : runner.leftOut())
     fmt::print(stderr, "evaluate_segmentation: warning: left out {}\n", line);
   if (reports[own].empty()) throw std::runtime_error(arguments.dataroot + ": no scene has images on disk");
-  Results results{reports[own], sumOf(reports[own]), {}};
+  Results results{reports[own], sumOf(reports[own]), {}, {}};
+  if (arguments.ablation) {
+    const std::vector<radar_dot::evaluation::AblationStep> steps =
+        radar_dot::evaluation::ablationSteps(options);
+    for (std::size_t i = 0; i < steps.size(); ++i)
+      results.ablation.push_back({steps[i].name, reports[i], sumOf(reports[i])});
+  }
   if (!arguments.compare_loop) return results;
   for (std::size_t i = 0; i < variants.size(); ++i) {
     results.loop.push_back(
@@ -184,13 +209,17 @@ Results evaluateAll(const Arguments& arguments) {
 
 Results merge(const std::vector<std::string>& files) {
   const std::vector<SegmentationReport> scenes = radar_dot::evaluation::mergeJson(files);
-  return {scenes, sumOf(scenes), radar_dot::evaluation::mergeLoop(files)};
+  return {scenes, sumOf(scenes), radar_dot::evaluation::mergeLoop(files),
+          radar_dot::evaluation::mergeAblation(files)};
 }
 
 int run(const Arguments& arguments) {
   arguments.files.check();
   const Results results = arguments.merge.empty() ? evaluateAll(arguments) : merge(arguments.merge);
-  if (results.loop.empty()) {
+  if (!results.ablation.empty()) {
+    arguments.files.write(formatJson(results.scenes, results.overall, results.ablation),
+                          formatCsv(results.scenes, results.overall), formatAblationTable(results.ablation));
+  } else if (results.loop.empty()) {
     arguments.files.write(results.scenes, results.overall);
   } else {
     arguments.files.write(
@@ -210,6 +239,7 @@ int main(int argc, char** argv) {
   declareInputs(app, arguments);
   declareMethod(app, arguments);
   declareLoop(app, arguments);
+  declareAblation(app, arguments);
   declareOutputs(app, arguments);
   try {
     app.parse(argc, argv);

@@ -12,9 +12,9 @@
 
 namespace radar_dot::tools {
 
-/// Threads of a network that wait for each other hold their cores, and beside any other program make it several
-/// times as slow: let them sleep. To be called before anything else; libgomp, which comes with libtorch, reads
-/// it when it is loaded. Whoever has chosen for himself keeps his choice.
+/// Threads of a network that wait for each other hold their cores, and beside any other program make it
+/// several times as slow: let them sleep. To be called before anything else; libgomp, which comes with
+/// libtorch, reads it when it is loaded. Whoever has chosen for himself keeps his choice.
 inline void letWaitingThreadsSleep() { setenv("OMP_WAIT_POLICY", "passive", 0); }
 
 /// Device and threads of networks.

@@ -24,7 +24,8 @@ void requireImage(const cv::Mat& image, const char* name) {
   }
 }
 
-/// Flow where it is not known is taken from its surroundings, so that a start value has no cracks.
+/// Flow where it is not known, or leads far out of the image, is taken from its surroundings, so that a start
+/// value has no cracks.
 cv::Mat fillUnknown(const cv::Mat& flow) {
   cv::Mat filled(flow.size(), CV_32FC2);
   cv::Mat known(flow.size(), CV_32FC1);
@@ -34,10 +35,13 @@ cv::Mat fillUnknown(const cv::Mat& flow) {
     auto* out = filled.ptr<cv::Vec2f>(row);
     auto* is_known = known.ptr<float>(row);
     for (int column = 0; column < flow.cols; ++column) {
-      const bool finite = std::isfinite(given[column][0] + given[column][1]);
-      out[column] = finite ? given[column] : cv::Vec2f(0.0F, 0.0F);
-      is_known[column] = finite ? 1.0F : 0.0F;
-      complete = complete && finite;
+      // What leads farther than the image is wide or high ends nowhere, and is as good as unknown (false for
+      // NaN): points that the camera is about to pass have flows of any length.
+      const bool usable = std::fabs(given[column][0]) <= static_cast<float>(flow.cols) &&
+                          std::fabs(given[column][1]) <= static_cast<float>(flow.rows);
+      out[column] = usable ? given[column] : cv::Vec2f(0.0F, 0.0F);
+      is_known[column] = usable ? 1.0F : 0.0F;
+      complete = complete && usable;
     }
   }
   if (complete) return filled;
@@ -106,9 +110,10 @@ FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const c
   field.flow = there.size() == wanted ? there : resizeFlow(there, wanted);
   if (params_.forward_backward) {
     const cv::Mat start_back = start.empty() ? cv::Mat() : fillUnknown(reversed(start));
-    const cv::Mat back = runFrom(start_back, second_on_grid, first_on_grid);
-    field.valid = forwardBackwardValid(field.flow, resizeFlow(back, wanted),
-                                       params_.forward_backward_absolute, params_.forward_backward_relative);
+    const cv::Mat back = resizeFlow(runFrom(start_back, second_on_grid, first_on_grid), wanted);
+    field.closure = forwardBackwardGap(field.flow, back);
+    field.valid = forwardBackwardValid(field.flow, back, params_.forward_backward_absolute,
+                                       params_.forward_backward_relative);
   }
   if (params_.initialisation == "temporal") previous_ = there.clone();
   return field;

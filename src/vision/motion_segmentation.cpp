@@ -6,7 +6,6 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
@@ -14,9 +13,12 @@
 
 #include "exact_selection.h"
 #include "motion_images.h"
+#include "motion_pass.h"
 #include "parallel_rows.h"
 #include "parameter_checks.h"
 #include "radar_dot/vision/motion_terms.h"
+#include "radar_dot/vision/uncertainty_terms.h"
+#include "vectorised.h"
 
 namespace radar_dot {
 namespace {
@@ -26,14 +28,6 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 // m of the footprint of a radar return, below and above it: radars look at bumpers and grilles.
 constexpr float kFootprintBelow = 0.5F;
 constexpr float kFootprintAbove = 1.5F;
-
-// The loops over pixels exist twice, for processors with and without AVX2; the processor at hand chooses.
-// Both round alike. Sanitizers start later than that choice.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define RADAR_DOT_VECTORISED __attribute__((target_clones("avx2", "default")))
-#else
-#define RADAR_DOT_VECTORISED
-#endif
 
 const ParameterChecks kChecks("motion segmentation");
 
@@ -46,120 +40,6 @@ int kernelSize(int diameter, double pixel_scale) {
 void morphology(cv::Mat& mask, int operation, int size) {
   if (size <= 1) return;
   cv::morphologyEx(mask, mask, operation, cv::getStructuringElement(cv::MORPH_RECT, cv::Size(size, size)));
-}
-
-/// What the pass over the image needs, in single precision.
-struct PassConstants {
-  PassConstants(const MotionInput& input, const MotionParams& params, double median)
-      : motion(input.camera, input.T_current_from_previous),
-        pixel_scale(static_cast<float>(input.pixel_scale)),
-        lambda(static_cast<float>(params.lambda)),
-        min_depth(static_cast<float>(params.min_depth)),
-        max_depth(static_cast<float>(params.max_depth)),
-        occlusion_margin(static_cast<float>(params.occlusion_margin)),
-        median_depth(static_cast<float>(median)),
-        radar_factor(static_cast<float>(1.0 + params.radar_gain)),
-        last_u(static_cast<float>(input.camera.width - 1)),
-        last_v(static_cast<float>(input.camera.height - 1)),
-        predicted_in_view(params.predicted_in_view) {
-    const double grid_std = params.foe_std / input.pixel_scale;
-    const auto inverse_two_variance = static_cast<float>(1.0 / (2.0 * grid_std * grid_std));
-    const auto foe =
-        motion_terms::focusOfExpansion(input.camera, input.T_current_from_previous.translation());
-    const auto factors = [&](std::vector<float>& along, int size, double centre) {
-      along.assign(static_cast<std::size_t>(size), 0.0F);  // at infinity nothing is near
-      for (int i = 0; foe && i < size; ++i) {
-        along[static_cast<std::size_t>(i)] =
-            motion_terms::foeFactor(static_cast<float>(i) - static_cast<float>(centre), inverse_two_variance);
-      }
-    };
-    factors(foe_columns, input.camera.width, foe ? foe->x() : 0.0);
-    factors(foe_rows, input.camera.height, foe ? foe->y() : 0.0);
-  }
-  motion_terms::PixelMotion motion;
-  float pixel_scale, lambda, min_depth, max_depth, occlusion_margin, median_depth, radar_factor;
-  float last_u, last_v;
-  bool predicted_in_view;
-  std::vector<float> foe_columns, foe_rows;  // factors of the weight of the focus of expansion
-};
-
-bool isKnownDepth(float depth, float max_depth) { return depth > 0.0F && depth <= max_depth; }
-
-constexpr int kBlock =
-    256;  // pixels of a row that are worked on together, small enough for the nearest cache
-
-/// A few pixels of a row on their way to a score. Arrays, and one simple loop for each step, so that the
-/// compiler works on several pixels at once; constants are copied first, so that it knows they do not change
-/// meanwhile.
-struct PixelBlock {
-  std::array<float, kBlock> u, v, depth_there, flow_part, tolerance, depth_part;
-};
-
-/// Prediction, flow residual and the tolerance for flow.
-RADAR_DOT_VECTORISED void predictBlock(const PassConstants& pass, int row, int begin, int count,
-                                       const float* depths, const float* flows, PixelBlock& block) {
-  namespace terms = motion_terms;
-  const terms::PixelMotion motion = pass.motion;
-  const float pixel_scale = pass.pixel_scale;
-  const float median_depth = pass.median_depth;
-  const float min_depth = pass.min_depth;
-  const auto v = static_cast<float>(row);
-  const float foe_row = pass.foe_rows[static_cast<std::size_t>(row)];
-  const float* foe_columns = pass.foe_columns.data() + begin;
-  for (int i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const auto u = static_cast<float>(begin + i);
-    const terms::Prediction there = terms::predict(motion, u, v, depths[i]);
-    block.u[k] = there.u;
-    block.v[k] = there.v;
-    block.depth_there[k] = there.depth;
-    block.flow_part[k] =
-        terms::flowResidual(flows[2 * i], flows[2 * i + 1], there.u - u, there.v - v, pixel_scale);
-    block.tolerance[k] = terms::flowTolerance(median_depth, depths[i], min_depth, foe_columns[i] * foe_row);
-  }
-}
-
-/// The depth residual, and what is excluded: flow_part becomes NaN.
-void lookUpDepth(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int row, int begin,
-                 int count, const float* depths, const float* flows, const std::uint8_t* reliable,
-                 PixelBlock& block) {
-  namespace terms = motion_terms;
-  for (int i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    block.depth_part[k] = 0.0F;
-    const float u = block.u[k];
-    const float v = block.v[k];
-    const float depth_there = block.depth_there[k];
-    // The flow must lead into the second image, and where asked for, the prediction too.
-    const float u_seen = static_cast<float>(begin + i) + flows[2 * i];
-    const float v_seen = static_cast<float>(row) + flows[2 * i + 1];
-    const bool in_view =
-        depth_there > 0.0F && u_seen >= 0.0F && v_seen >= 0.0F && u_seen <= pass.last_u &&
-        v_seen <= pass.last_v &&
-        (!pass.predicted_in_view || (u >= 0.0F && v >= 0.0F && u <= pass.last_u && v <= pass.last_v));
-    if (!in_view || !isKnownDepth(depths[i], pass.max_depth) || (reliable != nullptr && reliable[i] == 0)) {
-      block.flow_part[k] = kNaN;
-      continue;
-    }
-    if (next_depth.pixels == nullptr) continue;
-    const float seen = terms::bilinear(next_depth, u, v);
-    if (!isKnownDepth(seen, pass.max_depth)) continue;
-    if (terms::isOccluded(seen, depth_there, pass.occlusion_margin)) block.flow_part[k] = kNaN;
-    block.depth_part[k] = terms::depthResidual(seen, depth_there);
-  }
-}
-
-RADAR_DOT_VECTORISED void scoreBlock(const PassConstants& pass, int count, const float* depths,
-                                     const PixelBlock& block, float* scores) {
-  namespace terms = motion_terms;
-  const float min_depth = pass.min_depth;
-  const float lambda = pass.lambda;
-  for (int i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    // A flow that is not a number makes a score that is none.
-    scores[i] = terms::motionScore(block.flow_part[k], block.tolerance[k], block.depth_part[k],
-                                   terms::depthTolerance(depths[i], min_depth), lambda);
-  }
 }
 
 RADAR_DOT_VECTORISED void thresholdRow(const float* scores, int columns, float threshold, std::uint8_t* mask,
@@ -221,7 +101,19 @@ void validate(const MotionParams& params) {
   kChecks.require(params.closing >= 0 && params.closing <= 999, "closing", params.closing,
                   "between 0 and 999 px");
   kChecks.notNegative("min_threshold", params.min_threshold);
+  kChecks.notNegative("flow_std", params.flow_std);
+  kChecks.notNegative("flow_std_relative", params.flow_std_relative);
+  kChecks.require(params.flow_std + params.flow_std_relative > 0.0, "flow_std", params.flow_std,
+                  "positive, or flow_std_relative");
+  kChecks.notNegative("closure_weight", params.closure_weight);
+  kChecks.notNegative("depth_std", params.depth_std);
+  kChecks.positive("next_depth_std", params.next_depth_std);
+  kChecks.require(params.false_alarm > 0.0 && params.false_alarm < 1.0, "false_alarm", params.false_alarm,
+                  "between 0 and 1");
   kChecks.notNegative("radar_gain", params.radar_gain);
+  kChecks.notNegative("static_gain", params.static_gain);
+  kChecks.notNegative("radar_azimuth_std", params.radar_azimuth_std);
+  kChecks.require(params.growth > 0.0 && params.growth <= 1.0, "growth", params.growth, "above 0, at most 1");
   kChecks.positive("radar_radius", params.radar_radius);
 }
 
@@ -234,9 +126,13 @@ struct MotionSegmenter::Workspace {
   std::vector<float> candidates;
 
   double medianDepth(const MotionInput& input, float max_depth);
-  void drawFootprints(const MotionInput& input, double radius);
+  void drawFootprints(const MotionInput& input, const MotionParams& params);
+  void drawFootprint(const CameraIntrinsics& camera, const Eigen::Vector3f& point, const MotionParams& params,
+                     std::uint8_t value);
   std::size_t score(const MotionInput& input, const PassConstants& pass);
-  void threshold(const MotionParams& params, double pixel_scale);
+  void threshold(const MotionParams& params, const MotionInput& input);
+  double paperThreshold(const MotionParams& params, float median);
+  void grow(float low, int opening);
 };
 
 MotionSegmenter::MotionSegmenter(MotionParams params)
@@ -257,22 +153,31 @@ double MotionSegmenter::Workspace::medianDepth(const MotionInput& input, float m
       medianOf(input.depth, sum, sum.finiteCount(), local_candidates, candidates, known));
 }
 
-void MotionSegmenter::Workspace::drawFootprints(const MotionInput& input, double radius) {
-  const CameraIntrinsics& camera = input.camera;
-  footprints.create(camera.height, camera.width, CV_8UC1);
+void MotionSegmenter::Workspace::drawFootprint(const CameraIntrinsics& camera, const Eigen::Vector3f& point,
+                                               const MotionParams& params, std::uint8_t value) {
+  if (!(point.z() > 0.1F) || !point.allFinite()) return;
+  const auto half_width = static_cast<float>(
+      std::max(params.radar_radius, params.radar_azimuth_std * static_cast<double>(point.norm())));
+  const auto corner = [&](float right, float down) {
+    const Eigen::Vector2d pixel = camera.project((point + Eigen::Vector3f(right, down, 0.0F)).cast<double>());
+    // Far outside is outside; the conversion to int must not overflow.
+    return cv::Point(static_cast<int>(std::lround(std::clamp(pixel.x(), -1e5, 1e5))),
+                     static_cast<int>(std::lround(std::clamp(pixel.y(), -1e5, 1e5))));
+  };
+  cv::rectangle(footprints, corner(-half_width, -kFootprintAbove), corner(half_width, kFootprintBelow),
+                cv::Scalar(value), cv::FILLED);
+}
+
+void MotionSegmenter::Workspace::drawFootprints(const MotionInput& input, const MotionParams& params) {
+  footprints.create(input.camera.height, input.camera.width, CV_8UC1);
   footprints.setTo(0);
-  for (const Eigen::Vector3f& point : input.dynamic_points) {
-    if (!(point.z() > 0.1F) || !point.allFinite()) continue;
-    const auto r = static_cast<float>(radius);
-    const auto corner = [&](float right, float down) {
-      const Eigen::Vector2d pixel =
-          camera.project((point + Eigen::Vector3f(right, down, 0.0F)).cast<double>());
-      // Far outside is outside; the conversion to int must not overflow.
-      return cv::Point(static_cast<int>(std::lround(std::clamp(pixel.x(), -1e5, 1e5))),
-                       static_cast<int>(std::lround(std::clamp(pixel.y(), -1e5, 1e5))));
-    };
-    cv::rectangle(footprints, corner(-r, -kFootprintAbove), corner(r, kFootprintBelow), cv::Scalar(255),
-                  cv::FILLED);
+  if (params.static_gain > 0.0) {
+    for (const Eigen::Vector3f& point : input.static_points)
+      drawFootprint(input.camera, point, params, kStaticReturn);
+  }
+  if (params.radar_gain > 0.0) {  // over the others: one that moves before a wall counts
+    for (const Eigen::Vector3f& point : input.dynamic_points)
+      drawFootprint(input.camera, point, params, kDynamicReturn);
   }
 }
 
@@ -281,44 +186,75 @@ std::size_t MotionSegmenter::Workspace::score(const MotionInput& input, const Pa
   const int columns = input.camera.width;
   result.score.create(rows, columns, CV_32FC1);
   const motion_terms::FloatImage next_depth(input.next_depth);
-  const bool with_radar = pass.radar_factor != 1.0F && !input.dynamic_points.empty();
+  const bool with_radar = (pass.radar_factors[kDynamicReturn] != 1.0F && !input.dynamic_points.empty()) ||
+                          (pass.radar_factors[kStaticReturn] != 1.0F && !input.static_points.empty());
   overRows(rows, histograms, sum, [&](int row, FloatHistogram& histogram) {
-    const float* depths = input.depth.ptr<float>(row);
-    const float* flows = input.flow.ptr<float>(row);
-    const std::uint8_t* reliable =
-        input.flow_valid.empty() ? nullptr : input.flow_valid.ptr<std::uint8_t>(row);
-    const std::uint8_t* footprint = with_radar ? footprints.ptr<std::uint8_t>(row) : nullptr;
+    InputRow in;
+    in.depths = input.depth.ptr<float>(row);
+    in.flows = input.flow.ptr<float>(row);
+    if (!input.flow_valid.empty()) in.reliable = input.flow_valid.ptr<std::uint8_t>(row);
+    if (!input.flow_closure.empty()) in.closures = input.flow_closure.ptr<float>(row);
+    if (!input.depth_std.empty()) in.depth_stds = input.depth_std.ptr<float>(row);
+    if (with_radar) in.footprint = footprints.ptr<std::uint8_t>(row);
     float* scores = result.score.ptr<float>(row);
-    PixelBlock block;
-    for (int begin = 0; begin < columns; begin += kBlock) {
-      const int count = std::min(kBlock, columns - begin);
-      predictBlock(pass, row, begin, count, depths + begin, flows + 2 * begin, block);
-      lookUpDepth(pass, next_depth, row, begin, count, depths + begin, flows + 2 * begin,
-                  reliable == nullptr ? nullptr : reliable + begin, block);
-      scoreBlock(pass, count, depths + begin, block, scores + begin);
-    }
-    for (int column = 0; footprint != nullptr && column < columns; ++column)
-      if (footprint[column] != 0) scores[column] *= pass.radar_factor;
+    scoreRow(pass, next_depth, row, in, columns, scores);
     for (int column = 0; column < columns; ++column) histogram.add(scores[column]);
   });
   return sum.finiteCount();
 }
 
-void MotionSegmenter::Workspace::threshold(const MotionParams& params, double pixel_scale) {
-  const cv::Mat& scores = result.score;
-  const auto same = [](float s) { return s; };
-  const float median = medianOf(scores, sum, result.valid_count, local_candidates, candidates, same);
+double MotionSegmenter::Workspace::paperThreshold(const MotionParams& params, float median) {
   const auto deviation = [median](float s) { return std::fabs(s - median); };
+  const cv::Mat& scores = result.score;
   overRows(scores.rows, histograms, sum, [&](int row, FloatHistogram& histogram) {
     const float* pixels = scores.ptr<float>(row);
     for (int column = 0; column < scores.cols; ++column) histogram.add(deviation(pixels[column]));
   });
   const float mad = medianOf(scores, sum, result.valid_count, local_candidates, candidates, deviation);
-  const float tau = motion_terms::robustThreshold(median, mad, static_cast<float>(params.k),
-                                                  static_cast<float>(params.min_threshold));
-  result.median = static_cast<double>(median);
   result.mad = static_cast<double>(mad);
-  result.threshold = static_cast<double>(tau);
+  return static_cast<double>(motion_terms::robustThreshold(median, mad, static_cast<float>(params.k),
+                                                           static_cast<float>(params.min_threshold)));
+}
+
+/// Adds to the mask what is above `low` and connected with it.
+void MotionSegmenter::Workspace::grow(float low, int opening) {
+  cv::Mat candidates_mask = result.score > low;
+  morphology(candidates_mask, cv::MORPH_OPEN, opening);
+  cv::bitwise_or(candidates_mask, result.mask, candidates_mask);
+  cv::Mat labels;
+  const int count = cv::connectedComponents(candidates_mask, labels, 8, CV_32S);
+  std::vector<std::uint8_t> holds_seed(static_cast<std::size_t>(count), 0);
+  for (int row = 0; row < labels.rows; ++row) {
+    const int* label = labels.ptr<int>(row);
+    const std::uint8_t* seed = result.mask.ptr<std::uint8_t>(row);
+    for (int column = 0; column < labels.cols; ++column)
+      if (seed[column] != 0) holds_seed[static_cast<std::size_t>(label[column])] = 255;
+  }
+  holds_seed[0] = 0;  // the background
+  parallelRows(labels.rows, [&](int row) {
+    const int* label = labels.ptr<int>(row);
+    std::uint8_t* mask = result.mask.ptr<std::uint8_t>(row);
+    for (int column = 0; column < labels.cols; ++column)
+      mask[column] = holds_seed[static_cast<std::size_t>(label[column])];
+  });
+}
+
+void MotionSegmenter::Workspace::threshold(const MotionParams& params, const MotionInput& input) {
+  const cv::Mat& scores = result.score;
+  const auto same = [](float s) { return s; };
+  const float median = medianOf(scores, sum, result.valid_count, local_candidates, candidates, same);
+  result.median = static_cast<double>(median);
+  result.mad = 0.0;
+  if (params.score == MotionScore::kPaper) {
+    result.threshold = paperThreshold(params, median);
+  } else {
+    namespace terms = uncertainty_terms;
+    const int degrees = input.next_depth.empty() ? 2 : 3;
+    // A third component that is not known everywhere is as if it were zero: the median is that of two.
+    const double scale = std::max(1.0, result.median / terms::chiMedian(2));
+    result.threshold = scale * terms::chiThreshold(degrees, params.false_alarm);
+  }
+  const auto tau = static_cast<float>(result.threshold);
 
   result.mask.create(scores.size(), CV_8UC1);
   result.valid.create(scores.size(), CV_8UC1);
@@ -326,8 +262,10 @@ void MotionSegmenter::Workspace::threshold(const MotionParams& params, double pi
     thresholdRow(scores.ptr<float>(row), scores.cols, tau, result.mask.ptr<std::uint8_t>(row),
                  result.valid.ptr<std::uint8_t>(row));
   });
-  morphology(result.mask, cv::MORPH_OPEN, kernelSize(params.opening, pixel_scale));
-  morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.closing, pixel_scale));
+  const int opening = kernelSize(params.opening, input.pixel_scale);
+  morphology(result.mask, cv::MORPH_OPEN, opening);
+  if (params.growth < 1.0) grow(static_cast<float>(params.growth) * tau, opening);
+  morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.closing, input.pixel_scale));
   // Closing reaches over excluded pixels, of which nothing is known.
   cv::bitwise_and(result.mask, result.valid, result.mask);
 }
@@ -345,13 +283,15 @@ const MotionResult& MotionSegmenter::segment(const MotionInput& input) {
   requireImage(input.depth, CV_32FC1, camera, "depth", "CV_32FC1");
   if (!input.flow_valid.empty()) requireImage(input.flow_valid, CV_8UC1, camera, "flow_valid", "CV_8UC1");
   if (!input.next_depth.empty()) requireImage(input.next_depth, CV_32FC1, camera, "next_depth", "CV_32FC1");
+  if (!input.flow_closure.empty())
+    requireImage(input.flow_closure, CV_32FC1, camera, "flow_closure", "CV_32FC1");
+  if (!input.depth_std.empty()) requireImage(input.depth_std, CV_32FC1, camera, "depth_std", "CV_32FC1");
 
   Workspace& work = *workspace_;
   work.result.median_depth = work.medianDepth(input, static_cast<float>(params_.max_depth));
-  if (params_.radar_gain > 0.0 && !input.dynamic_points.empty())
-    work.drawFootprints(input, params_.radar_radius);
+  if (!input.dynamic_points.empty() || !input.static_points.empty()) work.drawFootprints(input, params_);
   work.result.valid_count = work.score(input, PassConstants(input, params_, work.result.median_depth));
-  work.threshold(params_, input.pixel_scale);
+  work.threshold(params_, input);
   return work.result;
 }
 

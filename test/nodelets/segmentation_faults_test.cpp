@@ -163,6 +163,25 @@ TEST_F(SegmentationFaults, MaskAtThePreviousImageIsExact) { expectExact(false); 
 
 TEST_F(SegmentationFaults, MaskAtTheCurrentImageIsExact) { expectExact(true); }
 
+TEST_F(SegmentationFaults, TheScoreByUncertaintyFindsTheSame) {
+  const auto choose = [](const std::string& score) {
+    dynamic_reconfigure::Reconfigure call;
+    dynamic_reconfigure::StrParameter parameter;
+    parameter.name = "score";
+    parameter.value = score;
+    call.request.config.strs.push_back(parameter);
+    dynamic_reconfigure::DoubleParameter flow_std;
+    flow_std.name = "flow_std";
+    flow_std.value = 1.0;
+    call.request.config.doubles.push_back(flow_std);
+    return ros::service::call("segmentation/set_parameters", call);
+  };
+  ASSERT_TRUE(choose("uncertainty"));
+  expectExact(false);
+  expectExact(true);
+  ASSERT_TRUE(choose("paper"));
+}
+
 TEST_F(SegmentationFaults, StampAndSizeAreThoseOfTheFirstImage) {
   Recorder<Flow> flows(handle_, "flow");
   ASSERT_TRUE(masksComeAnew());

@@ -70,8 +70,25 @@ void expectEqual(const MotionParams& params, const MotionParams& expected) {
   EXPECT_EQ(params.closing, expected.closing);
   EXPECT_EQ(params.min_threshold, expected.min_threshold);
   EXPECT_EQ(params.predicted_in_view, expected.predicted_in_view);
+  EXPECT_EQ(params.score, expected.score);
+  EXPECT_EQ(params.flow_std, expected.flow_std);
+  EXPECT_EQ(params.flow_std_relative, expected.flow_std_relative);
+  EXPECT_EQ(params.closure_weight, expected.closure_weight);
+  EXPECT_EQ(params.depth_std, expected.depth_std);
+  EXPECT_EQ(params.next_depth_std, expected.next_depth_std);
+  EXPECT_EQ(params.false_alarm, expected.false_alarm);
+  EXPECT_EQ(params.growth, expected.growth);
+  EXPECT_EQ(params.radar_azimuth_std, expected.radar_azimuth_std);
   EXPECT_EQ(params.radar_gain, expected.radar_gain);
   EXPECT_EQ(params.radar_radius, expected.radar_radius);
+}
+
+void expectEqual(const MotionUncertainty& uncertainty, const MotionUncertainty& expected) {
+  EXPECT_EQ(uncertainty.forward_velocity_std, expected.forward_velocity_std);
+  EXPECT_EQ(uncertainty.lateral_velocity_std, expected.lateral_velocity_std);
+  EXPECT_EQ(uncertainty.vertical_velocity_std, expected.vertical_velocity_std);
+  EXPECT_EQ(uncertainty.yaw_rate_std, expected.yaw_rate_std);
+  EXPECT_EQ(uncertainty.tilt_std, expected.tilt_std);
 }
 
 // dynamic_reconfigure is where a user reads the defaults: they must be those of the library.
@@ -79,6 +96,7 @@ TEST(VisionParameters, DefaultsOfTheConfigsAreThoseOfTheLibrary) {
   expectEqual(opticalFlowParams(OpticalFlowConfig::__getDefault__()), OpticalFlowParams{});
   expectEqual(depthParams(DepthConfig::__getDefault__()), DepthParams{});
   expectEqual(motionParams(DynamicSegmentationConfig::__getDefault__()), MotionParams{});
+  expectEqual(motionUncertainty(DynamicSegmentationConfig::__getDefault__()), MotionUncertainty{});
 }
 
 TEST(VisionParameters, DefaultsAreAccepted) {
@@ -139,9 +157,29 @@ TEST(VisionParameters, EveryParameterOfTheSegmentationArrives) {
   config.closing = expected.closing = 11;
   config.min_threshold = expected.min_threshold = 2.5;
   config.predicted_in_view = expected.predicted_in_view = false;
+  config.score = "uncertainty";
+  expected.score = MotionScore::kUncertainty;
+  config.flow_std = expected.flow_std = 1.25;
+  config.flow_std_relative = expected.flow_std_relative = 0.0625;
+  config.closure_weight = expected.closure_weight = 0.375;
+  config.depth_std = expected.depth_std = 0.15;
+  config.next_depth_std = expected.next_depth_std = 0.35;
+  config.false_alarm = expected.false_alarm = 1e-4;
+  config.growth = expected.growth = 0.875;
+  config.radar_azimuth_std = expected.radar_azimuth_std = 0.02;
   config.radar_gain = expected.radar_gain = 0.75;
   config.radar_radius = expected.radar_radius = 1.25;
   expectEqual(motionParams(config), expected);
+  config.score = "guess";
+  EXPECT_THROW(motionParams(config), std::invalid_argument);
+
+  MotionUncertainty uncertainty;
+  config.forward_velocity_std = uncertainty.forward_velocity_std = 0.21;
+  config.lateral_velocity_std = uncertainty.lateral_velocity_std = 0.22;
+  config.vertical_velocity_std = uncertainty.vertical_velocity_std = 0.23;
+  config.yaw_rate_std = uncertainty.yaw_rate_std = 0.024;
+  config.tilt_std = uncertainty.tilt_std = 0.025;
+  expectEqual(motionUncertainty(config), uncertainty);
 }
 
 TEST(VisionParameters, EveryPresetAndInitialisationOnOfferIsKnown) {

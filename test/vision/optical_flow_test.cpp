@@ -125,7 +125,9 @@ TEST(DisFlow, ExpectedFlowIsOnlyAStart) {
   params.initialisation = "expected";
   const cv::Mat wrong(320, 480, CV_32FC2, cv::Scalar(20.0, 6.0));
   const cv::Mat unknown(320, 480, CV_32FC2, cv::Scalar::all(std::nan("")));
-  for (const cv::Mat& expected : {wrong, unknown, cv::Mat()}) {
+  // Points that the camera is about to pass.
+  const cv::Mat endless(320, 480, CV_32FC2, cv::Scalar(9e4, -7e5));
+  for (const cv::Mat& expected : {wrong, unknown, endless, cv::Mat()}) {
     const cv::Vec2f found =
         middle(makeOpticalFlow(params)->compute(window(100, 80), window(92, 83), expected).flow);
     EXPECT_NEAR(found[0], 8.0, 0.3);

@@ -16,6 +16,7 @@
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/vision/depth_estimator.h"
+#include "radar_dot/vision/motion_refinement.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "radar_dot/vision/optical_flow.h"
 
@@ -49,6 +50,9 @@ struct SegmentationEvaluationOptions {
   OpticalFlowParams optical_flow;
   DepthParams depth_params;
   MotionParams motion;
+  MotionUncertainty motion_uncertainty;  ///< for the score by uncertainty, and for `refine`
+  bool refine = false;                   ///< the motion by the image (refineMotion), and the ground by it
+  RefinementParams refinement;
   /// Movers whose residual of the true flow is smaller do not count (neither right nor wrong), px of the full
   /// image; nor do road users that move too slowly for their annotation to say so. 0 = all count. Needs the
   /// ground truth of a simulated dataroot.

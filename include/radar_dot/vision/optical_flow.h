@@ -17,6 +17,9 @@ struct FlowField {
   cv::Mat
       flow;  ///< CV_32FC2, px OF THIS GRID: pixel (u, v) of the first image is at (u, v) + flow in the second
   cv::Mat valid;  ///< CV_8UC1 of the same size, 255 = reliable; empty: everything is
+  /// CV_32FC1, px OF THIS GRID: gap between flow there and back, NaN where it leaves the image. Empty without
+  /// forward_backward.
+  cv::Mat closure = {};
 };
 
 /// Parameters of makeOpticalFlow; a backend ignores what it does not know.
@@ -77,6 +80,10 @@ std::vector<std::string> opticalFlowBackends();
 /// are the others. A pixel whose flow leaves the image, or is not finite, is not valid.
 cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
                              double relative);
+
+/// |f(p) + b(p + f(p))|, CV_32FC1, px: zero where forward and backward flow (CV_32FC2, same size) close; NaN
+/// where the flow leaves the image, or is not finite.
+cv::Mat forwardBackwardGap(const cv::Mat& forward, const cv::Mat& backward);
 
 /// Flow on another grid, bilinear, with its vectors scaled to px of that grid.
 cv::Mat resizeFlow(const cv::Mat& flow, const cv::Size& size);

@@ -26,4 +26,10 @@ Eigen::Isometry3d baseMotion(const Eigen::Vector3d& linear, const Eigen::Vector3
 Eigen::Isometry3d staticPointMotion(const Eigen::Isometry3d& T_base_from_camera,
                                     const Eigen::Isometry3d& base_previous_from_current);
 
+/// Covariance of a small motion (omega, tau), X -> X + omega x X + tau, of points in the base frame, as one
+/// of the same points in the camera frame: omega turns with the mount, and acts on tau by the lever arm.
+/// @param base  rad^2, rad m, m^2
+Eigen::Matrix<double, 6, 6> cameraCovariance(const Eigen::Isometry3d& T_base_from_camera,
+                                             const Eigen::Matrix<double, 6, 6>& base);
+
 }  // namespace radar_dot

@@ -1,0 +1,42 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "radar_dot/evaluation/segmentation_evaluation.h"
+
+namespace radar_dot::evaluation {
+
+/// One step from the paper's masks to the package's best.
+struct AblationStep {
+  std::string name;
+  SegmentationEvaluationOptions options;
+};
+/// What a step reaches.
+struct AblationResult {
+  std::string name;
+  std::vector<SegmentationReport> scenes;
+  SegmentationReport overall;
+};
+
+/// "paper", "+ uncertainty", "+ refinement", "+ radar evidence", in this order: the paper's score without
+/// radar in the mask; the score by uncertainty, with flow there and back as its noise; the motion refined by
+/// the image; and radar returns that move the threshold, with the gains of `options`, or their defaults where
+/// those are 0. Everything else is as in `options`. Masks are saved by none.
+std::vector<AblationStep> ablationSteps(const SegmentationEvaluationOptions& options);
+
+/// Plain-text table: a line for each step; IoU of every scene and overall, precision, recall, F1 and ms per
+/// mask overall.
+std::string formatAblationTable(const std::vector<AblationResult>& results);
+/// formatJson of the scenes with a further member "ablation": [{"name", "scenes": [...], "overall": {...}}].
+std::string formatJson(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall,
+                       const std::vector<AblationResult>& results);
+
+/// The scenes of all files side by side, and their sums; empty where none of the files has an ablation.
+/// @throws std::runtime_error naming file and field for what is no such file, and the file that has none, or
+///         other steps, where others have.
+std::vector<AblationResult> mergeAblation(const std::vector<std::string>& files);
+
+}  // namespace radar_dot::evaluation

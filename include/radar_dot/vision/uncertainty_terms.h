@@ -1,0 +1,99 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "radar_dot/vision/camera_intrinsics.h"
+#include "radar_dot/vision/motion_terms.h"
+
+/// How far the flow of a static point may be from its prediction, for one pixel, in single precision.
+///
+/// The residual r = f_obs - f_est (2 x 1) of a static point is not zero, because four things are known with
+/// an error only: the flow, the inverse depth rho = 1 / D, the motion of the camera, and the depth seen in
+/// the second image. To first order its covariance is
+///
+///     Sigma = sigma_flow^2 I  +  g g^T sigma_rho^2  +  J Sigma_motion J^T
+///
+/// with g = d(u', v') / d rho and J = d(u', v') / d(omega, tau). The error of depth moves the prediction
+/// along g only, the direction to the focus of expansion; across it a small residual already tells motion. A
+/// single tolerance for both, as the paper's, must be as wide as the wider one. The score is the Mahalanobis
+/// distance
+///
+///     s^2 = r^T Sigma^-1 r  +  (D_t(u', v') - Z_est)^2 / sigma_Z^2
+///
+/// whose square is distributed as chi-square with 2 degrees of freedom, or 3 where depth is seen in the
+/// second image, for what stands.
+namespace radar_dot::uncertainty_terms {
+
+/// Derivative of (u', v') by rho = 1 / D, px m. Of X_t = D (R x + rho t) only the direction counts, so that
+/// (u', v', 1) ~ H p + rho h: with w = (H p + rho h)_3 = Z_est / D,
+///     du' / drho = (h_1 - u' h_3) / w,    dv' / drho = (h_2 - v' h_3) / w.
+struct PixelShift {
+  float u = 0.0F, v = 0.0F;
+};
+inline PixelShift byInverseDepth(const motion_terms::PixelMotion& motion, float depth,
+                                 const motion_terms::Prediction& predicted) {
+  const float over_w = depth / predicted.depth;
+  return {(motion.h[0] - predicted.u * motion.h[2]) * over_w,
+          (motion.h[1] - predicted.v * motion.h[2]) * over_w};
+}
+
+/// Derivatives of (u', v') by a small motion applied after the given one, X -> X + omega x X + tau: px per
+/// rad and px per m, in the order omega_x, omega_y, omega_z, tau_x, tau_y, tau_z of the camera frame at t.
+/// With x = (u' - cx) / fx, y = (v' - cy) / fy and q = 1 / Z_est:
+///     du' = fx (-x y, 1 + x^2, -y, q, 0, -x q),    dv' = fy (-1 - y^2, x y, x, 0, q, -y q).
+struct MotionShift {
+  float u[6], v[6];
+};
+inline MotionShift byMotion(float fx, float fy, float x, float y, float q) {
+  return {{-fx * x * y, fx * (1.0F + x * x), -fx * y, fx * q, 0.0F, -fx * x * q},
+          {-fy * (1.0F + y * y), fy * x * y, fy * x, 0.0F, fy * q, -fy * y * q}};
+}
+
+/// A covariance of (u', v'), px^2.
+struct Covariance {
+  float uu = 0.0F, uv = 0.0F, vv = 0.0F;
+};
+
+/// J Sigma J^T with Sigma = L L^T: the sum of the squares of J L. L is lower-triangular, the Cholesky factor
+/// of the covariance of (omega, tau).
+struct MotionSpread {
+  explicit MotionSpread(const Eigen::Matrix<double, 6, 6>& covariance);
+  bool none = true;  ///< the motion is exact
+  float lower[6][6] = {};
+
+  void addTo(const MotionShift& shift, Covariance& covariance) const {
+    for (int column = 0; column < 6; ++column) {
+      float u = 0.0F;
+      float v = 0.0F;
+      for (int row = column; row < 6; ++row) {
+        u += shift.u[row] * lower[row][column];
+        v += shift.v[row] * lower[row][column];
+      }
+      covariance.uu += u * u;
+      covariance.uv += u * v;
+      covariance.vv += v * v;
+    }
+  }
+};
+
+/// r^T Sigma^-1 r.
+inline float squaredDistance(float r_u, float r_v, const Covariance& covariance) {
+  const float determinant = covariance.uu * covariance.vv - covariance.uv * covariance.uv;
+  return (covariance.vv * r_u * r_u - 2.0F * covariance.uv * r_u * r_v + covariance.uu * r_v * r_v) /
+         determinant;
+}
+
+/// The s that a static point exceeds with this probability: root of the quantile of the chi-square
+/// distribution. @param degrees  2 or 3  @param false_alarm  between 0 and 1
+double chiThreshold(int degrees, double false_alarm);
+
+/// Median of s over static points whose model is right: 1.177 or 1.538. @param degrees  2 or 3
+double chiMedian(int degrees);
+
+}  // namespace radar_dot::uncertainty_terms

@@ -1,0 +1,211 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "motion_pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "vectorised.h"
+
+namespace radar_dot {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+constexpr int kBlock = 256;  // pixels of a row that are worked on together,
+                             // small enough for the nearest cache
+
+/// A few pixels of a row on their way to a score. Arrays, and one simple loop for each step, so that the
+/// compiler works on several pixels at once; constants are copied first, so that it knows they do not change
+/// meanwhile.
+struct PixelBlock {
+  std::array<float, kBlock> u, v, depth_there, flow_part, tolerance, depth_part, closure, depth_std;
+};
+
+/// Prediction, flow residual and the tolerance for flow.
+RADAR_DOT_VECTORISED void predictBlock(const PassConstants& pass, int row, int begin, int count,
+                                       const float* depths, const float* flows, PixelBlock& block) {
+  namespace terms = motion_terms;
+  const terms::PixelMotion motion = pass.motion;
+  const float pixel_scale = pass.pixel_scale;
+  const float median_depth = pass.median_depth;
+  const float min_depth = pass.min_depth;
+  const auto v = static_cast<float>(row);
+  const float foe_row = pass.foe_rows[static_cast<std::size_t>(row)];
+  const float* foe_columns = pass.foe_columns.data() + begin;
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const auto u = static_cast<float>(begin + i);
+    const terms::Prediction there = terms::predict(motion, u, v, depths[i]);
+    block.u[k] = there.u;
+    block.v[k] = there.v;
+    block.depth_there[k] = there.depth;
+    block.flow_part[k] =
+        terms::flowResidual(flows[2 * i], flows[2 * i + 1], there.u - u, there.v - v, pixel_scale);
+    block.tolerance[k] = terms::flowTolerance(median_depth, depths[i], min_depth, foe_columns[i] * foe_row);
+  }
+}
+
+/// The depth residual, and what is excluded: flow_part becomes NaN.
+void lookUpDepth(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int row, int begin,
+                 int count, const float* depths, const float* flows, const std::uint8_t* reliable,
+                 PixelBlock& block) {
+  namespace terms = motion_terms;
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    block.depth_part[k] = 0.0F;
+    const float u = block.u[k];
+    const float v = block.v[k];
+    const float depth_there = block.depth_there[k];
+    // The flow must lead into the second image, and where asked for, the prediction too.
+    const float u_seen = static_cast<float>(begin + i) + flows[2 * i];
+    const float v_seen = static_cast<float>(row) + flows[2 * i + 1];
+    const bool in_view =
+        depth_there > 0.0F && u_seen >= 0.0F && v_seen >= 0.0F && u_seen <= pass.last_u &&
+        v_seen <= pass.last_v &&
+        (!pass.predicted_in_view || (u >= 0.0F && v >= 0.0F && u <= pass.last_u && v <= pass.last_v));
+    if (!in_view || !isKnownDepth(depths[i], pass.max_depth) || (reliable != nullptr && reliable[i] == 0)) {
+      block.flow_part[k] = kNaN;
+      continue;
+    }
+    if (next_depth.pixels == nullptr) continue;
+    const float seen = terms::bilinear(next_depth, u, v);
+    if (!isKnownDepth(seen, pass.max_depth)) continue;
+    if (terms::isOccluded(seen, depth_there, pass.occlusion_margin)) block.flow_part[k] = kNaN;
+    block.depth_part[k] = terms::depthResidual(seen, depth_there);
+  }
+}
+
+RADAR_DOT_VECTORISED void scoreBlock(const PassConstants& pass, int count, const float* depths,
+                                     const PixelBlock& block, float* scores) {
+  namespace terms = motion_terms;
+  const float min_depth = pass.min_depth;
+  const float lambda = pass.lambda;
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    // A flow that is not a number makes a score that is none.
+    scores[i] = terms::motionScore(block.flow_part[k], block.tolerance[k], block.depth_part[k],
+                                   terms::depthTolerance(depths[i], min_depth), lambda);
+  }
+}
+
+/// The optional images of the score by uncertainty, or what stands for them.
+void readNoise(const PassConstants& pass, int count, const float* closures, const float* depth_stds,
+               PixelBlock& block) {
+  const auto end = [count](auto& values) { return values.begin() + count; };
+  if (closures == nullptr) {
+    std::fill(block.closure.begin(), end(block.closure), 0.0F);
+  } else {
+    std::transform(closures, closures + count, block.closure.begin(),
+                   [](float gap) { return gap >= 0.0F ? gap : 0.0F; });
+  }
+  if (depth_stds == nullptr) {
+    std::fill(block.depth_std.begin(), end(block.depth_std), pass.depth_std);
+  } else {
+    std::copy(depth_stds, depth_stds + count, block.depth_std.begin());
+  }
+}
+
+/// Standard deviations from static. What is excluded, whose flow_part is NaN, stays so.
+RADAR_DOT_VECTORISED void distanceBlock(const PassConstants& pass, int row, int begin, int count,
+                                        const float* depths, const float* flows, const PixelBlock& block,
+                                        float* scores) {
+  namespace terms = uncertainty_terms;
+  const motion_terms::PixelMotion motion = pass.motion;
+  const terms::MotionSpread spread = pass.spread;
+  const float flow_std = pass.flow_std;
+  const float flow_std_relative = pass.flow_std_relative;
+  const float closure_weight = pass.closure_weight;
+  const float next_depth_std = pass.next_depth_std;
+  const float fx = pass.fx, fy = pass.fy, cx = pass.cx, cy = pass.cy;
+  const float x_by_u = 1.0F / fx, y_by_v = 1.0F / fy;
+  const auto v = static_cast<float>(row);
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const auto u = static_cast<float>(begin + i);
+    const float flow_u = flows[2 * i];
+    const float flow_v = flows[2 * i + 1];
+    const motion_terms::Prediction there{block.u[k], block.v[k], block.depth_there[k]};
+    const float length = std::sqrt(flow_u * flow_u + flow_v * flow_v);
+    const float sigma = flow_std + flow_std_relative * length;
+    const float gap = closure_weight * block.closure[k];
+    const float variance = sigma * sigma + gap * gap;
+    const terms::PixelShift shift = terms::byInverseDepth(motion, depths[i], there);
+    const float rho_std = block.depth_std[k] / depths[i];
+    const float g_u = rho_std * shift.u;
+    const float g_v = rho_std * shift.v;
+    terms::Covariance covariance{variance + g_u * g_u, g_u * g_v, variance + g_v * g_v};
+    if (!spread.none) {
+      spread.addTo(
+          terms::byMotion(fx, fy, (there.u - cx) * x_by_u, (there.v - cy) * y_by_v, 1.0F / there.depth),
+          covariance);
+    }
+    const float squared = terms::squaredDistance(flow_u - (there.u - u), flow_v - (there.v - v), covariance);
+    const float depth_distance = block.depth_part[k] / (next_depth_std * there.depth);
+    scores[i] = std::sqrt(squared + depth_distance * depth_distance) + 0.0F * block.flow_part[k];
+  }
+}
+
+}  // namespace
+
+PassConstants::PassConstants(const MotionInput& input, const MotionParams& params, double median)
+    : motion(input.camera, input.T_current_from_previous),
+      pixel_scale(static_cast<float>(input.pixel_scale)),
+      lambda(static_cast<float>(params.lambda)),
+      min_depth(static_cast<float>(params.min_depth)),
+      max_depth(static_cast<float>(params.max_depth)),
+      occlusion_margin(static_cast<float>(params.occlusion_margin)),
+      median_depth(static_cast<float>(median)),
+      flow_std(static_cast<float>(params.flow_std / input.pixel_scale)),
+      flow_std_relative(static_cast<float>(params.flow_std_relative)),
+      closure_weight(static_cast<float>(params.closure_weight)),
+      depth_std(static_cast<float>(params.depth_std)),
+      next_depth_std(static_cast<float>(params.next_depth_std)),
+      fx(static_cast<float>(input.camera.fx)),
+      fy(static_cast<float>(input.camera.fy)),
+      cx(static_cast<float>(input.camera.cx)),
+      cy(static_cast<float>(input.camera.cy)),
+      spread(input.motion_covariance),
+      by_uncertainty(params.score == MotionScore::kUncertainty),
+      radar_factors{1.0F, static_cast<float>(1.0 / (1.0 + params.static_gain)),
+                    static_cast<float>(1.0 + params.radar_gain)},
+      last_u(static_cast<float>(input.camera.width - 1)),
+      last_v(static_cast<float>(input.camera.height - 1)),
+      predicted_in_view(params.predicted_in_view) {
+  const double grid_std = params.foe_std / input.pixel_scale;
+  const auto inverse_two_variance = static_cast<float>(1.0 / (2.0 * grid_std * grid_std));
+  const auto foe = motion_terms::focusOfExpansion(input.camera, input.T_current_from_previous.translation());
+  const auto factors = [&](std::vector<float>& along, int size, double centre) {
+    along.assign(static_cast<std::size_t>(size),
+                 0.0F);  // at infinity nothing is near
+    for (int i = 0; foe && i < size; ++i) {
+      along[static_cast<std::size_t>(i)] =
+          motion_terms::foeFactor(static_cast<float>(i) - static_cast<float>(centre), inverse_two_variance);
+    }
+  };
+  factors(foe_columns, input.camera.width, foe ? foe->x() : 0.0);
+  factors(foe_rows, input.camera.height, foe ? foe->y() : 0.0);
+}
+void scoreRow(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int row,
+              const InputRow& input, int columns, float* scores) {
+  const auto from = [](auto* pixels, int begin) { return pixels == nullptr ? nullptr : pixels + begin; };
+  PixelBlock block;
+  for (int begin = 0; begin < columns; begin += kBlock) {
+    const int count = std::min(kBlock, columns - begin);
+    const float* depths = input.depths + begin;
+    const float* flows = input.flows + 2 * begin;
+    predictBlock(pass, row, begin, count, depths, flows, block);
+    lookUpDepth(pass, next_depth, row, begin, count, depths, flows, from(input.reliable, begin), block);
+    if (pass.by_uncertainty) {
+      readNoise(pass, count, from(input.closures, begin), from(input.depth_stds, begin), block);
+      distanceBlock(pass, row, begin, count, depths, flows, block, scores + begin);
+    } else {
+      scoreBlock(pass, count, depths, block, scores + begin);
+    }
+  }
+  for (int column = 0; input.footprint != nullptr && column < columns; ++column)
+    scores[column] *= pass.radar_factors[input.footprint[column]];
+}
+
+}  // namespace radar_dot

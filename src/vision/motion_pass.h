@@ -1,0 +1,54 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "radar_dot/vision/motion_segmentation.h"
+#include "radar_dot/vision/motion_terms.h"
+#include "radar_dot/vision/uncertainty_terms.h"
+
+namespace radar_dot {
+
+// What lies in a pixel of the image of radar footprints.
+constexpr std::uint8_t kNoReturn = 0;
+constexpr std::uint8_t kStaticReturn = 1;
+constexpr std::uint8_t kDynamicReturn = 2;
+
+inline bool isKnownDepth(float depth, float max_depth) { return depth > 0.0F && depth <= max_depth; }
+
+/// What the pass over the image needs, in single precision.
+struct PassConstants {
+  PassConstants(const MotionInput& input, const MotionParams& params, double median);
+
+  motion_terms::PixelMotion motion;
+  float pixel_scale, lambda, min_depth, max_depth, occlusion_margin, median_depth;
+  float flow_std, flow_std_relative, closure_weight, depth_std,
+      next_depth_std;    // px of the grid, shares
+  float fx, fy, cx, cy;  // px of the grid
+  uncertainty_terms::MotionSpread spread;
+  bool by_uncertainty;
+  std::array<float, 3> radar_factors;  // of nothing, kStaticReturn, kDynamicReturn
+  float last_u, last_v;
+  bool predicted_in_view;
+  std::vector<float> foe_columns,
+      foe_rows;  // factors of the weight of the focus of expansion
+};
+
+/// Pointers to the pixels of one row of the inputs; null: that image is not there.
+struct InputRow {
+  const float* depths = nullptr;
+  const float* flows = nullptr;  // pairs
+  const std::uint8_t* reliable = nullptr;
+  const float* closures = nullptr;
+  const float* depth_stds = nullptr;
+  const std::uint8_t* footprint = nullptr;
+};
+
+/// The scores of one row; NaN where a pixel is excluded.
+void scoreRow(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int row,
+              const InputRow& input, int columns, float* scores);
+
+}  // namespace radar_dot

@@ -1,0 +1,290 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/vision/motion_refinement.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "motion_images.h"
+#include "parameter_checks.h"
+#include "radar_dot/vision/depth_estimator.h"
+
+namespace radar_dot {
+namespace {
+
+// omega, tau, and slope and height of the ground.
+constexpr int kUnknowns = 8;
+constexpr int kSlope = 6;
+constexpr int kHeight = 7;
+using Vector8 = Eigen::Matrix<double, kUnknowns, 1>;
+using Matrix8 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+using Jacobian = Eigen::Matrix<double, 2, kUnknowns>;
+
+constexpr double kSameDepth = 0.01;  // share of the depth within which a pixel shows the plane
+constexpr std::size_t kLeastPixels = 50;
+constexpr double kMedianOfChiSquare = 1.3863;  // 2 degrees of freedom
+constexpr double kExact = 1e-12;               // variances that stand for zero: a prior that holds
+
+const ParameterChecks kChecks("motion refinement");
+
+/// Inverse depth of the plane z = height + slope x (base frame) along a ray, and its derivatives.
+struct GroundRay {
+  double rho = 0.0, by_slope = 0.0, by_height = 0.0;  // 1/m, per unit of slope, per m
+};
+
+GroundRay groundRay(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera, double u,
+                    double v, double slope, double height) {
+  const Eigen::Vector3d c = T_base_from_camera.translation();
+  const Eigen::Vector3d d = T_base_from_camera.linear() * camera.rayOf(u, v);
+  const double across = d.z() - slope * d.x();
+  const double above = height + slope * c.x() - c.z();  // negative: the camera is above the ground
+  return {across / above, -d.x() / above - across * c.x() / (above * above), -across / (above * above)};
+}
+
+struct Pixel {
+  double u = 0.0, v = 0.0;
+  Eigen::Vector2d target = Eigen::Vector2d::Zero();  // where its flow leads
+  double flow_variance = 0.0;                        // px^2 of the grid
+  double rho = 0.0, rho_std = 0.0;                   // 1/m; share of it
+  bool is_ground = false;
+};
+
+class Refiner {
+ public:
+  Refiner(const MotionInput& input, const std::optional<GroundPlane>& ground, const RefinementParams& params)
+      : input_(input), ground_(ground), params_(params), motion_(input.T_current_from_previous) {
+    Vector8 variances;
+    variances.setConstant(kExact);
+    Matrix8 prior = variances.asDiagonal();
+    prior.topLeftCorner<6, 6>() += input.motion_covariance;
+    if (ground) {
+      prior(kSlope, kSlope) = std::max(std::pow(params.ground_pitch_std, 2), kExact);
+      prior(kHeight, kHeight) = std::max(std::pow(params.ground_height_std, 2), kExact);
+      slope_ = std::tan(ground->pitch);
+      height_ = ground->height;
+    }
+    prior_information_ = prior.llt().solve(Matrix8::Identity());
+    collect();
+  }
+
+  RefinedMotion run() {
+    RefinedMotion refined;
+    refined.T_current_from_previous = motion_;
+    refined.covariance = input_.motion_covariance;
+    refined.ground = ground_;
+    refined.pixels = pixels_.size();
+    if (pixels_.size() < kLeastPixels) return refined;
+    for (int i = 0; i < params_.iterations; ++i) step();
+    refined.T_current_from_previous = motion_;
+    refined.correction = total_.head<6>();
+    refined.covariance = information_.llt().solve(Matrix8::Identity()).topLeftCorner<6, 6>();
+    if (ground_) {
+      refined.ground->pitch = std::atan(slope_ + total_[kSlope]);
+      refined.ground->height = height_ + total_[kHeight];
+    }
+    return refined;
+  }
+
+ private:
+  void collect();
+  bool residual(const Pixel& pixel, Eigen::Vector2d& r, Eigen::Matrix2d& information,
+                Jacobian& jacobian) const;
+  void step();
+
+  const MotionInput& input_;
+  const std::optional<GroundPlane>& ground_;
+  const RefinementParams& params_;
+  Eigen::Isometry3d motion_;
+  double slope_ = 0.0, height_ = 0.0;  // of the ground that was drawn
+  std::vector<Pixel> pixels_;
+  Matrix8 prior_information_, information_;
+  Vector8 total_ = Vector8::Zero();
+
+  // Of one step, kept for their memory.
+  struct Term {
+    Eigen::Vector2d r;
+    Eigen::Matrix2d information;
+    Jacobian jacobian;
+    double distance;
+  };
+  std::vector<Term> terms_;
+  std::vector<double> distances_;
+};
+
+void Refiner::collect() {
+  const CameraIntrinsics& camera = input_.camera;
+  const int stride = std::max(1, static_cast<int>(std::lround(params_.stride / input_.pixel_scale)));
+  const double flow_std = params_.flow_std / input_.pixel_scale;
+  for (int v = stride / 2; v < camera.height; v += stride) {
+    for (int u = stride / 2; u < camera.width; u += stride) {
+      if (!input_.flow_valid.empty() && input_.flow_valid.at<std::uint8_t>(v, u) == 0) continue;
+      const auto depth = static_cast<double>(input_.depth.at<float>(v, u));
+      const auto& seen = input_.flow.at<cv::Vec2f>(v, u);
+      const Eigen::Vector2d flow(static_cast<double>(seen[0]), static_cast<double>(seen[1]));
+      Pixel pixel;
+      pixel.u = u;
+      pixel.v = v;
+      pixel.target = Eigen::Vector2d(u, v) + flow;
+      const bool is_known = depth > 0.0 && std::isfinite(depth) && pixel.target.x() >= 0.0 &&
+                            pixel.target.y() >= 0.0 && pixel.target.x() <= camera.width - 1 &&
+                            pixel.target.y() <= camera.height - 1;  // false for NaN
+      if (!is_known) continue;
+      const double sigma = flow_std + params_.flow_std_relative * flow.norm();
+      pixel.flow_variance = sigma * sigma;
+      if (!input_.flow_closure.empty()) {
+        const auto gap = static_cast<double>(input_.flow_closure.at<float>(v, u));
+        if (gap > 0.0) pixel.flow_variance += std::pow(params_.closure_weight * gap, 2);
+      }
+      pixel.rho = 1.0 / depth;
+      pixel.rho_std = input_.depth_std.empty() ? params_.depth_std
+                                               : static_cast<double>(input_.depth_std.at<float>(v, u));
+      if (ground_) {
+        const GroundRay ray = groundRay(camera, ground_->T_base_from_camera, u, v, slope_, height_);
+        pixel.is_ground = std::abs(ray.rho * depth - 1.0) < kSameDepth;
+        if (pixel.is_ground) pixel.rho_std = params_.ground_depth_std;
+      }
+      pixels_.push_back(pixel);
+    }
+  }
+}
+
+/// @return false for a point that the motion brings behind the camera
+bool Refiner::residual(const Pixel& pixel, Eigen::Vector2d& r, Eigen::Matrix2d& information,
+                       Jacobian& jacobian) const {
+  const CameraIntrinsics& camera = input_.camera;
+  double rho = pixel.rho;
+  GroundRay ray;
+  if (pixel.is_ground) {
+    ray = groundRay(camera, ground_->T_base_from_camera, pixel.u, pixel.v, slope_ + total_[kSlope],
+                    height_ + total_[kHeight]);
+    rho = std::max(ray.rho, 1e-3);
+  }
+  // X_t over D: only its direction counts.
+  const Eigen::Vector3d t = motion_.translation();
+  const Eigen::Vector3d seen = motion_.linear() * camera.rayOf(pixel.u, pixel.v) + rho * t;
+  if (!(seen.z() > 1e-6)) return false;
+  const double x = seen.x() / seen.z();
+  const double y = seen.y() / seen.z();
+  r = pixel.target - Eigen::Vector2d(camera.fx * x + camera.cx, camera.fy * y + camera.cy);
+  const Eigen::Vector2d by_rho(camera.fx * (t.x() - x * t.z()) / seen.z(),
+                               camera.fy * (t.y() - y * t.z()) / seen.z());
+  const double q = rho / seen.z();  // 1 / Z_t
+  jacobian.row(0) << -x * y, 1.0 + x * x, -y, q, 0.0, -x * q, 0.0, 0.0;
+  jacobian.row(1) << -1.0 - y * y, x * y, x, 0.0, q, -y * q, 0.0, 0.0;
+  jacobian.row(0) *= camera.fx;
+  jacobian.row(1) *= camera.fy;
+  if (pixel.is_ground) {
+    jacobian.col(kSlope) = by_rho * ray.by_slope;
+    jacobian.col(kHeight) = by_rho * ray.by_height;
+  }
+  const Eigen::Vector2d g = by_rho * (pixel.rho_std * rho);
+  information = (pixel.flow_variance * Eigen::Matrix2d::Identity() + g * g.transpose()).inverse();
+  return true;
+}
+
+void Refiner::step() {
+  terms_.clear();
+  distances_.clear();
+  for (const Pixel& pixel : pixels_) {
+    Term term;
+    if (!residual(pixel, term.r, term.information, term.jacobian)) continue;
+    term.distance = term.r.dot(term.information * term.r);
+    terms_.push_back(term);
+    distances_.push_back(term.distance);
+  }
+  if (distances_.size() < kLeastPixels) return;
+  const auto middle = distances_.begin() + static_cast<std::ptrdiff_t>(distances_.size() / 2);
+  std::nth_element(distances_.begin(), middle, distances_.end());
+  // What the noise does not explain is in all pixels alike.
+  const double scale = std::max(1.0, *middle / kMedianOfChiSquare);
+  const double width = 2.0 * params_.kernel_width * scale;  // the expectation of chi-square is 2
+  const double share = std::min(1.0, params_.independent_pixels / static_cast<double>(terms_.size())) / scale;
+  information_ = prior_information_;
+  Vector8 gradient = -prior_information_ * total_;
+  for (const Term& term : terms_) {
+    const double closeness = 1.0 / (1.0 + term.distance / width);
+    const double weight = share * closeness * closeness;
+    const Eigen::Matrix<double, kUnknowns, 2> weighted =
+        weight * term.jacobian.transpose() * term.information;
+    information_.noalias() += weighted * term.jacobian;
+    gradient.noalias() += weighted * term.r;
+  }
+  const Vector8 change = information_.llt().solve(gradient);
+  total_ += change;
+  const Eigen::Vector3d omega = change.head<3>();
+  Eigen::Isometry3d small = Eigen::Isometry3d::Identity();
+  if (omega.norm() > 0.0)
+    small.linear() = Eigen::AngleAxisd(omega.norm(), omega.normalized()).toRotationMatrix();
+  small.translation() = change.segment<3>(3);
+  motion_ = small * motion_;
+}
+
+}  // namespace
+
+Eigen::Matrix<double, 6, 6> baseMotionCovariance(const MotionUncertainty& uncertainty, double dt) {
+  kChecks.notNegative("forward_velocity_std", uncertainty.forward_velocity_std);
+  kChecks.notNegative("lateral_velocity_std", uncertainty.lateral_velocity_std);
+  kChecks.notNegative("vertical_velocity_std", uncertainty.vertical_velocity_std);
+  kChecks.notNegative("yaw_rate_std", uncertainty.yaw_rate_std);
+  kChecks.notNegative("tilt_std", uncertainty.tilt_std);
+  const double tilt = uncertainty.tilt_std * std::sqrt(std::abs(dt));
+  Eigen::Matrix<double, 6, 1> deviations;
+  deviations << tilt, tilt, uncertainty.yaw_rate_std * dt, uncertainty.forward_velocity_std * dt,
+      uncertainty.lateral_velocity_std * dt, uncertainty.vertical_velocity_std * dt;
+  return deviations.cwiseAbs2().asDiagonal();
+}
+
+void validate(const RefinementParams& params) {
+  kChecks.positive("flow_std", params.flow_std);
+  kChecks.notNegative("flow_std_relative", params.flow_std_relative);
+  kChecks.notNegative("closure_weight", params.closure_weight);
+  kChecks.notNegative("depth_std", params.depth_std);
+  kChecks.notNegative("ground_depth_std", params.ground_depth_std);
+  kChecks.notNegative("ground_pitch_std", params.ground_pitch_std);
+  kChecks.notNegative("ground_height_std", params.ground_height_std);
+  kChecks.positive("independent_pixels", params.independent_pixels);
+  kChecks.positive("kernel_width", params.kernel_width);
+  kChecks.require(params.stride >= 1, "stride", params.stride, "1 px or more");
+  kChecks.require(params.iterations >= 1 && params.iterations <= 100, "iterations", params.iterations,
+                  "between 1 and 100");
+}
+
+RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundPlane>& ground,
+                           const RefinementParams& params) {
+  validate(params);
+  requireImage(input.flow, CV_32FC2, input.camera, "flow", "CV_32FC2");
+  requireImage(input.depth, CV_32FC1, input.camera, "depth", "CV_32FC1");
+  if (!input.flow_valid.empty())
+    requireImage(input.flow_valid, CV_8UC1, input.camera, "flow_valid", "CV_8UC1");
+  if (!input.flow_closure.empty())
+    requireImage(input.flow_closure, CV_32FC1, input.camera, "flow_closure", "CV_32FC1");
+  if (!input.depth_std.empty())
+    requireImage(input.depth_std, CV_32FC1, input.camera, "depth_std", "CV_32FC1");
+  return Refiner(input, ground, params).run();
+}
+
+cv::Mat exchangeGround(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
+                       const GroundPlane& refined, double max_depth) {
+  requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
+  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  const cv::Mat before =
+      groundDepth(camera, drawn.T_base_from_camera, drawn.height, drawn.pitch, kEverywhere);
+  const cv::Mat after =
+      groundDepth(camera, refined.T_base_from_camera, refined.height, refined.pitch, max_depth);
+  cv::Mat exchanged = depth.clone();
+  for (int row = 0; row < depth.rows; ++row) {
+    const auto* old_ground = before.ptr<float>(row);
+    const auto* new_ground = after.ptr<float>(row);
+    auto* pixels = exchanged.ptr<float>(row);
+    for (int column = 0; column < depth.cols; ++column) {
+      if (std::fabs(pixels[column] / old_ground[column] - 1.0F) < static_cast<float>(kSameDepth))
+        pixels[column] = new_ground[column];
+    }
+  }
+  return exchanged;
+}
+
+}  // namespace radar_dot
