@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "parameters.h"
+#include "radar_dot/vision/motion_refinement.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "vision_parameters.h"
 
@@ -34,6 +35,12 @@ cv::Mat residualOf(const cv::Mat& flow, const cv::Mat& expected) {
   return residual;
 }
 
+void fill(geometry_msgs::Vector3& message, const Eigen::Vector3d& vector) {
+  message.x = vector.x();
+  message.y = vector.y();
+  message.z = vector.z();
+}
+
 cv::Mat onGrid(const cv::Mat& image, const cv::Size& size) {
   if (image.empty() || image.size() == size) return image;
   cv::Mat resized;
@@ -47,8 +54,8 @@ void DynamicSegmentationNodelet::onInit() {
   setUp("segmentation");
   ros::NodeHandle& handle = getNodeHandle();
   ros::NodeHandle& private_handle = getPrivateNodeHandle();
-  extrinsics_ =
-      std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
+  base_frame_ = private_handle.param<std::string>("base_frame", "base_link");
+  extrinsics_ = std::make_unique<Extrinsics>(base_frame_, handle);
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [this] { processWaiting(); }, [this](const std::string& text) { warn("rotation", text); },
       true);
@@ -78,6 +85,7 @@ void DynamicSegmentationNodelet::setUpOutputs() {
   valid_publisher_ = transport_->advertise("dynamic/valid", 3);
   score_publisher_ = handle.advertise<sensor_msgs::Image>("dynamic/score", 3);
   expected_flow_publisher_ = handle.advertise<sensor_msgs::Image>("dynamic/expected_flow", 3);
+  refined_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist_refined", 3);
   residual_publisher_ = handle.advertise<sensor_msgs::Image>("dynamic/residual", 3);
 }
 
@@ -133,7 +141,7 @@ void DynamicSegmentationNodelet::forgetThePast() {
 bool DynamicSegmentationNodelet::wanted() const {
   return mask_publisher_.getNumSubscribers() + valid_publisher_.getNumSubscribers() +
              score_publisher_.getNumSubscribers() + expected_flow_publisher_.getNumSubscribers() +
-             residual_publisher_.getNumSubscribers() >
+             residual_publisher_.getNumSubscribers() + refined_publisher_.getNumSubscribers() >
          0;
 }
 
@@ -218,6 +226,7 @@ DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gather(WaitingF
     return Gathered::kMayCome;
   }
   inputs.without_rotation = motion.without_rotation;
+  inputs.T_base_from_camera = *T_base_from_camera;
   inputs.motion.T_current_from_previous = staticPointMotion(*T_base_from_camera, *motion.T_begin_from_end);
   const double dt = (inputs.flow->second_stamp - inputs.flow->header.stamp).toSec();
   inputs.motion.motion_covariance =
@@ -242,7 +251,12 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
   const FlowField field = radar_dot::flowOf(flow);
   const cv::Size grid = field.flow.size();
   motion.flow = field.flow;
-  motion.flow_valid = field.valid;
+  // The gap between flow there and back is noise to this score, and no reason to leave a pixel out.
+  if (config_.score == "uncertainty" && !field.closure.empty()) {
+    motion.flow_closure = field.closure;
+  } else {
+    motion.flow_valid = field.valid;
+  }
   motion.camera = camera.scaledTo(grid.width, grid.height);
   motion.pixel_scale = static_cast<double>(image.width) / grid.width;
   const auto place = [&](const sensor_msgs::ImageConstPtr& message) -> cv::Mat {
@@ -272,12 +286,49 @@ std::vector<Eigen::Vector3f> DynamicSegmentationNodelet::dynamicPoints(
   return points;
 }
 
-void DynamicSegmentationNodelet::segment(const Inputs& inputs) {
+void DynamicSegmentationNodelet::refine(Inputs& inputs) {
+  MotionInput& motion = inputs.motion;
+  std::optional<GroundPlane> ground;
+  if (config_.refine_ground)
+    ground = GroundPlane{inputs.T_base_from_camera, config_.ground_height, config_.ground_pitch};
+  const RefinedMotion refined = refineMotion(motion, ground);
+  motion.T_current_from_previous = refined.T_current_from_previous;
+  motion.motion_covariance = refined.covariance;
+  if (ground) {
+    motion.depth = exchangeGround(motion.depth, motion.camera, *ground, *refined.ground, config_.max_depth);
+    if (!motion.next_depth.empty())
+      motion.next_depth =
+          exchangeGround(motion.next_depth, motion.camera, *ground, *refined.ground, config_.max_depth);
+  }
+  if (refined_publisher_.getNumSubscribers() == 0) return;
+  const ros::Time first = inputs.flow->header.stamp;
+  const double dt = (inputs.flow->second_stamp - first).toSec();
+  const Eigen::Isometry3d T_camera_from_base = inputs.T_base_from_camera.inverse();
+  // Points seen from the base, and the base seen from them, move the opposite way.
+  const BaseVelocity velocity = baseVelocity(
+      (inputs.T_base_from_camera * motion.T_current_from_previous * T_camera_from_base).inverse(), dt);
+  geometry_msgs::TwistWithCovarianceStamped twist;
+  twist.header.stamp = std::max(first, inputs.flow->second_stamp);
+  twist.header.frame_id = base_frame_;
+  geometry_msgs::Twist& rates = twist.twist.twist;
+  fill(rates.linear, velocity.linear);
+  fill(rates.angular, velocity.angular);
+  const Eigen::Matrix<double, 6, 6> covariance =
+      cameraCovariance(T_camera_from_base, motion.motion_covariance) / (dt * dt);
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> message(twist.twist.covariance.data());
+  // Messages have the translation first.
+  message << covariance.bottomRightCorner<3, 3>(), covariance.bottomLeftCorner<3, 3>(),
+      covariance.topRightCorner<3, 3>(), covariance.topLeftCorner<3, 3>();
+  refined_publisher_.publish(twist);
+}
+
+void DynamicSegmentationNodelet::segment(Inputs& inputs) {
   if (isDistorted(*camera_)) {
     warn("camera", "camera_info on '" + camera_input_->topic() +
                        "' has distortion: the images must be rectified (image_proc)");
   }
   const ros::WallTime start = ros::WallTime::now();
+  if (config_.refine) refine(inputs);
   const MotionResult& result = segmenter_.segment(inputs.motion);
   computation_time_ = (ros::WallTime::now() - start).toSec();
   publish(inputs, result);

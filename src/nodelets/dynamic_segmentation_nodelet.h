@@ -35,6 +35,7 @@ class DynamicSegmentationNodelet : public StreamNodelet {
     FlowConstPtr flow;
     sensor_msgs::ImageConstPtr depth, next_depth;
     MotionInput motion;
+    Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();
     bool without_rotation = false;  // of the source; the twists' own instead
   };
 
@@ -58,13 +59,16 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   void placeOnGrid(Inputs& inputs) const;
   std::vector<Eigen::Vector3f> dynamicPoints(const ros::Time& stamp,
                                              const Eigen::Isometry3d& T_base_from_camera);
-  void segment(const Inputs& inputs);
+  /// Motion, its covariance, and where depth shows the ground, both depths, by the image.
+  void refine(Inputs& inputs);
+  void segment(Inputs& inputs);
   void publish(const Inputs& inputs, const MotionResult& result);
   bool wanted() const;
   void drop(const std::string& reason);
 
   DynamicSegmentationConfig config_ = DynamicSegmentationConfig::__getDefault__();
   MotionSegmenter segmenter_;
+  std::string base_frame_;
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> dynamic_returns_;
@@ -78,7 +82,7 @@ class DynamicSegmentationNodelet : public StreamNodelet {
       radar_subscriber_;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Publisher mask_publisher_, valid_publisher_;
-  ros::Publisher score_publisher_, expected_flow_publisher_, residual_publisher_;
+  ros::Publisher score_publisher_, expected_flow_publisher_, residual_publisher_, refined_publisher_;
   std::unique_ptr<dynamic_reconfigure::Server<DynamicSegmentationConfig>> server_;
   ros::WallTimer waiting_timer_;
 

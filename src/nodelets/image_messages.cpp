@@ -55,6 +55,19 @@ void expectSize(const sensor_msgs::Image& message, const std::string& what) {
   if (message.width == 0 || message.height == 0) throw std::invalid_argument(what + ": it is empty");
 }
 
+/// An image that goes with a flow, or nothing.
+cv::Mat companionOf(const cv::Mat& flow, const sensor_msgs::Image& message, const std::string& encoding,
+                    const std::string& what) {
+  if (message.data.empty()) return {};
+  expectEncoding(message, encoding, what);
+  const cv::Mat image = viewOf(message, what);
+  if (image.size() != flow.size()) {
+    throw std::invalid_argument(what + " of " + sizeText(image.size()) + " px does not match the flow of " +
+                                sizeText(flow.size()) + " px");
+  }
+  return image;
+}
+
 }  // namespace
 
 std::string sizeText(const cv::Size& size) {
@@ -125,13 +138,8 @@ FlowField flowOf(const Flow& message) {
     throw std::invalid_argument("flow of " + sizeText(field.flow.size()) +
                                 " px does not have the shape of its image of " + sizeText(image) + " px");
   }
-  if (message.valid.data.empty()) return field;
-  expectEncoding(message.valid, encodings::MONO8, "valid");
-  field.valid = viewOf(message.valid, "valid");
-  if (field.valid.size() != field.flow.size()) {
-    throw std::invalid_argument("valid of " + sizeText(field.valid.size()) +
-                                " px does not match the flow of " + sizeText(field.flow.size()) + " px");
-  }
+  field.valid = companionOf(field.flow, message.valid, encodings::MONO8, "valid");
+  field.closure = companionOf(field.flow, message.closure, encodings::TYPE_32FC1, "closure");
   return field;
 }
 
@@ -150,6 +158,8 @@ FlowPtr flowMessage(const std_msgs::Header& header, const ros::Time& second_stam
   cv_bridge::CvImage(header, encodings::TYPE_32FC2, field.flow).toImageMsg(message->flow);
   if (!field.valid.empty())
     cv_bridge::CvImage(header, encodings::MONO8, field.valid).toImageMsg(message->valid);
+  if (!field.closure.empty())
+    cv_bridge::CvImage(header, encodings::TYPE_32FC1, field.closure).toImageMsg(message->closure);
   return message;
 }
 

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/vision/rigid_motion.h"
 
+#include <Eigen/LU>
 #include <cmath>
+#include <stdexcept>
 
 namespace radar_dot {
 namespace {
@@ -40,6 +42,13 @@ Eigen::Isometry3d baseMotion(const Eigen::Vector3d& linear, const Eigen::Vector3
   const Eigen::Matrix3d rotation =
       angle > 0.0 ? Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
   return baseMotionWithRotation(linear, rotation, dt);
+}
+
+BaseVelocity baseVelocity(const Eigen::Isometry3d& base_previous_from_current, double dt) {
+  if (dt == 0.0) throw std::invalid_argument("a motion in no time has no velocity");
+  const Eigen::AngleAxisd rotation(base_previous_from_current.linear());
+  const Eigen::Vector3d w = rotation.angle() * rotation.axis();
+  return {meanRotation(w).inverse() * base_previous_from_current.translation() / dt, w / dt};
 }
 
 Eigen::Isometry3d staticPointMotion(const Eigen::Isometry3d& T_base_from_camera,

@@ -182,6 +182,34 @@ TEST_F(SegmentationFaults, TheScoreByUncertaintyFindsTheSame) {
   ASSERT_TRUE(choose("paper"));
 }
 
+// The motion was right before; the image must not spoil it.
+TEST_F(SegmentationFaults, TheRefinedMotionIsPublished) {
+  const auto refine = [](bool on) {
+    dynamic_reconfigure::Reconfigure call;
+    dynamic_reconfigure::BoolParameter parameter;
+    parameter.name = "refine";
+    parameter.value = on;
+    call.request.config.bools.push_back(parameter);
+    return ros::service::call("segmentation/set_parameters", call);
+  };
+  ASSERT_TRUE(refine(true));
+  const Recorder<geometry_msgs::TwistWithCovarianceStamped> twists(handle_, "ego/twist_refined");
+  for (const bool backward : {false, true}) {
+    expectExact(backward);
+    const std::size_t before = twists.count();
+    ASSERT_TRUE(waitUntil([&] { return twists.count() >= before + 2; }, kPatience));
+    const geometry_msgs::TwistWithCovarianceStamped& twist = *twists.messages().back();
+    EXPECT_EQ(twist.header.frame_id, "base_link");
+    EXPECT_NEAR(twist.twist.twist.linear.x, VisionWorld::kSpeed, 0.2);
+    EXPECT_NEAR(twist.twist.twist.linear.y, 0.0, 0.1);
+    EXPECT_NEAR(twist.twist.twist.angular.z, VisionWorld::kYawRate, 0.02);
+    EXPECT_NEAR(twist.twist.twist.angular.y, 0.0, 0.02);
+    EXPECT_GT(twist.twist.covariance[0], 0.0);
+    EXPECT_LT(twist.twist.covariance[0], 0.02);  // the radar's 0.1 m/s and better
+  }
+  ASSERT_TRUE(refine(false));
+}
+
 TEST_F(SegmentationFaults, StampAndSizeAreThoseOfTheFirstImage) {
   Recorder<Flow> flows(handle_, "flow");
   ASSERT_TRUE(masksComeAnew());

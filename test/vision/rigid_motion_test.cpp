@@ -44,6 +44,21 @@ Eigen::Isometry3d frontCamera() {
   return T_base_from_camera;
 }
 
+TEST(BaseVelocity, IsTheInverseOfTheMotion) {
+  for (const double dt : {0.5, -0.08}) {
+    const Eigen::Vector3d linear(9.0, -0.4, 0.1);
+    const Eigen::Vector3d angular(0.02, -0.05, 0.6);
+    const BaseVelocity found = baseVelocity(baseMotion(linear, angular, dt), dt);
+    EXPECT_LT((found.linear - linear).norm(), 1e-9);
+    EXPECT_LT((found.angular - angular).norm(), 1e-9);
+  }
+  EXPECT_LT((baseVelocity(baseMotion({3.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.1), 0.1).linear -
+             Eigen::Vector3d(3.0, 0.0, 0.0))
+                .norm(),
+            1e-9);
+  EXPECT_THROW(baseVelocity(Eigen::Isometry3d::Identity(), 0.0), std::invalid_argument);
+}
+
 TEST(StaticPointMotion, DrivingAheadBringsPointsNearer) {
   const Eigen::Isometry3d motion =
       staticPointMotion(frontCamera(), baseMotion({10.0, 0.0, 0.0}, Eigen::Vector3d::Zero(), 0.5));
