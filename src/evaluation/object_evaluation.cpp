@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "annotated_objects.h"
 #include "causal_motion.h"
@@ -27,8 +28,20 @@ struct SeenScan {
   std::vector<ReturnOverGround> returns;
 };
 
-std::vector<SeenScan> seenScans(const RadarScene& scene, const CausalMotion& motion,
-                                const ObjectEvaluationOptions& options) {
+/// Of the doubtful scan the returns that the trusted one lacks, as static ones.
+void addDoubtful(const RadarScan& doubtful, const EstimatedVelocity& velocity, const OverGroundParams& params,
+                 const std::vector<DopplerReturn>& trusted, std::vector<ReturnOverGround>& returns) {
+  std::set<std::uint32_t> known;
+  for (const DopplerReturn& one : trusted) known.insert(one.index);
+  for (ReturnOverGround& one : returnsOverGround(doubtful, velocity.linear, velocity.angular, params)) {
+    if (known.count((*doubtful.returns)[one.index].index) > 0) continue;
+    one.label = ReturnLabel::kStatic;
+    returns.push_back(one);
+  }
+}
+
+std::vector<SeenScan> seenScans(const RadarScene& scene, const RadarScene* doubtful,
+                                const CausalMotion& motion, const ObjectEvaluationOptions& options) {
   std::vector<SeenScan> seen;
   for (std::size_t radar = 0; radar < scene.radars.size(); ++radar) {
     for (std::size_t i = 0; i < scene.radars[radar].scans.size(); ++i) {
@@ -39,6 +52,10 @@ std::vector<SeenScan> seenScans(const RadarScene& scene, const CausalMotion& mot
       turnBearings(scan, options.ego.bearing_delay, velocity->angular.z());
       seen.push_back({scan[0].time, radar,
                       returnsOverGround(scan[0], velocity->linear, velocity->angular, options.returns)});
+      if (doubtful == nullptr) continue;
+      RadarScan with_doubtful = scan[0];
+      with_doubtful.returns = &doubtful->radars[radar].scans[i].returns;
+      addDoubtful(with_doubtful, *velocity, options.returns, *scan[0].returns, seen.back().returns);
     }
   }
   std::stable_sort(seen.begin(), seen.end(),
@@ -219,7 +236,15 @@ ObjectReport evaluateObjects(const dataset::Tables& tables, Index scene,
   const RadarScene for_objects = loadRadarScene(tables, scene, ego.channels, extraction);
   SavedMasks masks(tables, scene, ego);
   const CausalMotion motion(estimateSweeps(for_ego, ego, masks).filtered);
-  const std::vector<SeenScan> scans = seenScans(for_objects, motion, options);
+  std::optional<RadarScene> with_doubtful;
+  if (options.doubtful) {
+    extraction.filter.invalid_states.clear();
+    extraction.filter.ambig_states.clear();
+    extraction.filter.pdh0_states.clear();
+    with_doubtful = loadRadarScene(tables, scene, ego.channels, extraction);
+  }
+  const std::vector<SeenScan> scans =
+      seenScans(for_objects, with_doubtful ? &*with_doubtful : nullptr, motion, options);
 
   ObjectReport report;
   report.scene = tables.scenes[at(scene)].name;

@@ -32,6 +32,7 @@ Figures figuresOf(const ObjectReport& report) {
     const ObjectErrors& errors = counts.errors;
     figures.emplace_back("recall_" + name, counts.recall());
     figures.emplace_back("recall_of_seen_" + name, counts.seenRecall());
+    figures.emplace_back("moving_share_" + name, counts.movingShare());
     figures.emplace_back("position_mae_" + name, meanAbsolute(errors.position));
     figures.emplace_back("radial_mae_" + name, meanAbsolute(errors.radial));
     figures.emplace_back("radial_median_" + name, medianAbsolute(errors.radial));
@@ -89,6 +90,7 @@ ObjectErrors& ObjectErrors::operator+=(const ObjectErrors& other) {
 
 double MoverCounts::recall() const { return ratio(matched, movers); }
 double MoverCounts::seenRecall() const { return ratio(matched, movers - unseen); }
+double MoverCounts::movingShare() const { return ratio(movers - unseen - unmoving, movers); }
 
 MoverCounts& MoverCounts::operator+=(const MoverCounts& other) {
   movers += other.movers;

@@ -71,8 +71,11 @@ void validate(const ObjectTrackerParams& p) {
   require(p.confirm_hits >= 1, "confirm_hits must be at least 1");
   require(p.confirm_scans >= 1, "confirm_scans must be at least 1");
   require(p.max_coast > 0.0 && p.max_weak_time > 0.0, "max_coast and max_weak_time must be positive (s)");
-  require(p.absorb_distance >= 0.0 && p.absorb_velocity >= 0.0 && p.merge_distance >= 0.0,
-          "absorb_distance, absorb_velocity and merge_distance must not be negative");
+  require(p.min_coast > 0.0, "min_coast must be positive (s)");
+  require(p.min_body_length > 0.0 && p.max_body_length > 0.0 && p.max_body_width > 0.0,
+          "min_body_length, max_body_length and max_body_width must be positive (m)");
+  require(p.body_time >= 0.0 && p.body_velocity >= 0.0,
+          "body_time (s) and body_velocity (m/s) must not be negative");
   require(p.max_lag >= 0.0, "max_lag must not be negative (s)");
   require(p.min_speed >= 0.0, "min_speed must not be negative (m/s)");
 }
@@ -189,17 +192,28 @@ void ObjectTracker::correct(const Measurement& measurement, ObjectTrack& track) 
   if (!detection.box.empty()) track.box = detection.box;
 }
 
+bool ObjectTracker::isOneBody(const ObjectTrack& track, const Eigen::Vector4d& apart,
+                              const Eigen::Matrix2d& velocity_covariance) const {
+  const double speed = track.speed();
+  const double shortest = std::min(params_.min_body_length, params_.max_body_length);
+  const double length = std::clamp(params_.body_time * speed, shortest, params_.max_body_length);
+  const Eigen::Vector2d heading = track.velocity() / std::max(speed, 1e-9);
+  const double along = heading.dot(apart.head<2>());
+  const double across = heading.x() * apart.y() - heading.y() * apart.x();
+  if (std::pow(along / length, 2) + std::pow(across / params_.max_body_width, 2) > 1.0) return false;
+  // Velocities are compared as far as they are known.
+  const double tolerance = params_.body_velocity / 3.0;
+  const Eigen::Matrix2d covariance = velocity_covariance + track.covariance.bottomRightCorner<2, 2>() +
+                                     tolerance * tolerance * Eigen::Matrix2d::Identity();
+  return apart.tail<2>().dot(covariance.inverse() * apart.tail<2>()) <= 9.0;
+}
+
 bool ObjectTracker::isAbsorbed(const Measurement& measurement) const {
   return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
     const ObjectTrack& track = candidate.track;
-    if (!track.confirmed) return false;
-    const Eigen::Vector4d apart = measurement.value - transition(measurement.time - track.time) * track.state;
-    if (apart.head<2>().norm() > params_.absorb_distance) return false;
-    // Along what the detection knows of the velocity, as far as it knows it.
-    const Eigen::Matrix2d covariance =
-        (measurement.covariance + track.covariance).bottomRightCorner<2, 2>() +
-        params_.absorb_velocity * params_.absorb_velocity / 9.0 * Eigen::Matrix2d::Identity();
-    return apart.tail<2>().dot(covariance.inverse() * apart.tail<2>()) <= 9.0;
+    return track.confirmed &&
+           isOneBody(track, measurement.value - transition(measurement.time - track.time) * track.state,
+                     measurement.covariance.bottomRightCorner<2, 2>());
   });
 }
 
@@ -230,7 +244,11 @@ void ObjectTracker::endTracks(double time) {
   const auto ended = [&](const Candidate& candidate) {
     const ObjectTrack& track = candidate.track;
     if (!track.confirmed && candidate.scans >= params_.confirm_scans) return true;
-    return time - track.last_hit > params_.max_coast || time - track.last_moving > params_.max_weak_time;
+    // Trust has to be earned: a track coasts no longer than it has been followed.
+    const double followed = track.last_hit - track.birth;
+    const double coast =
+        std::clamp(followed, std::min(params_.min_coast, params_.max_coast), params_.max_coast);
+    return time - track.last_hit > coast || time - track.last_moving > params_.max_weak_time;
   };
   candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), ended), candidates_.end());
 }
@@ -242,10 +260,8 @@ void ObjectTracker::mergeTracks() {
     for (std::size_t j = candidates_.size() - 1; j > i; --j) {
       const ObjectTrack& younger = candidates_[j].track;
       if (!younger.confirmed) continue;
-      const Eigen::Vector4d apart = older.state - transition(older.time - younger.time) * younger.state;
-      if (apart.head<2>().norm() > params_.merge_distance) continue;
-      const Eigen::Matrix4d covariance = older.covariance + younger.covariance;
-      if (apart.dot(covariance.ldlt().solve(apart)) <= params_.gate * params_.gate)
+      const Eigen::Vector4d apart = transition(older.time - younger.time) * younger.state - older.state;
+      if (isOneBody(older, apart, younger.covariance.bottomRightCorner<2, 2>()))
         candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(j));
     }
   }

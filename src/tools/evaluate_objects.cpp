@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdlib>
 #include <exception>
 #include <stdexcept>
 #include <string>
@@ -52,6 +51,7 @@ void declare(CLI::App& app, Arguments& arguments) {
             "Degrees to either side of straight ahead, of the objects that count");
   addNumber(app, "--margin", options.margin, 0.0, 10.0, "m, by which boxes are grown");
   addNumber(app, "--min-speed", options.min_speed, 0.01, 10.0, "m/s, slowest box that moves");
+  app.add_flag("!--no-doubtful", arguments.options.doubtful, "Doubtful returns carry on no track");
   app.add_flag("--strict-returns", arguments.strict_returns,
                "Seek objects only in the returns that the ego velocity is estimated from");
   app.add_flag("--all-returns", arguments.all_returns, "Seek objects in all returns, whatever their states");
@@ -85,12 +85,14 @@ void declareObjects(CLI::App& app, ObjectEvaluationOptions& options) {
   app.add_option("--confirm-scans", tracker.confirm_scans, "Scans of one radar they must come in")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  addNumber(app, "--max-coast", tracker.max_coast, 0.01, 10.0, "s, without any detection");
+  addNumber(app, "--min-coast", tracker.min_coast, 0.01, 10.0, "s, a new track lives without detections");
+  addNumber(app, "--max-coast", tracker.max_coast, 0.01, 10.0, "s, the same of an old one");
   addNumber(app, "--max-weak-time", tracker.max_weak_time, 0.01, 100.0, "s, with weak detections alone");
-  addNumber(app, "--absorb-distance", tracker.absorb_distance, 0.0, 100.0,
-            "m, around a track within which no other starts");
-  addNumber(app, "--absorb-velocity", tracker.absorb_velocity, 0.0, 100.0, "m/s, the same of the velocity");
-  addNumber(app, "--merge-distance", tracker.merge_distance, 0.0, 100.0, "m, between tracks that may be one");
+  addNumber(app, "--min-body-length", tracker.min_body_length, 0.01, 100.0, "m, of what gives one track");
+  addNumber(app, "--max-body-length", tracker.max_body_length, 0.01, 100.0, "m, the same of fast bodies");
+  addNumber(app, "--max-body-width", tracker.max_body_width, 0.01, 100.0, "m, the same across the heading");
+  addNumber(app, "--body-time", tracker.body_time, 0.0, 100.0, "s, length of a body per speed");
+  addNumber(app, "--body-velocity", tracker.body_velocity, 0.0, 100.0, "m/s, within one body");
   addNumber(app, "--min-track-speed", tracker.min_speed, 0.0, 100.0, "m/s, slowest track that is reported");
 }
 

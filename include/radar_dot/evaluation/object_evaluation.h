@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct ObjectEvaluationOptions {
   /// is always on.
   VelocityEvaluationOptions ego;
   ReturnFilter filter = objectFilter();  ///< of the returns that objects are sought in
+  /// Returns that the filter leaves out for their states alone start no track, but may carry one on.
+  bool doubtful = true;
   OverGroundParams returns;
   DetectionParams detection;
   ObjectTrackerParams tracker;
@@ -66,6 +69,9 @@ struct MoverCounts {
   ObjectErrors errors;
   double recall() const;      ///< matched / movers
   double seenRecall() const;  ///< matched / (movers - unseen)
+  /// Share of the movers with a return that moves: what a tracker of moving returns can find at most, but for
+  /// those it carries over gaps.
+  double movingShare() const;
   MoverCounts& operator+=(const MoverCounts& other);
 };
 

@@ -7,7 +7,7 @@
 
 namespace radar_dot {
 
-/// What Assignment::column_of_row holds for a row without a partner.
+/// Stands for the column of a row without a partner.
 inline constexpr int kUnassigned = -1;
 
 /// Partners of least total cost, one-to-one: a pair costs costs(row, column), a row without a partner costs

@@ -56,7 +56,7 @@ struct ObjectDetection {
 
 /// Parameters of detectObjects.
 struct DetectionParams {
-  double max_distance = 2.0;             ///< m, between neighbouring returns of one object
+  double max_distance = 4.0;             ///< m, between neighbouring returns of one object
   double max_velocity_difference = 1.0;  ///< m/s, between their velocities along the lines of sight
   /// m, 1 sigma of where on an object its returns gather. More returns do not average it out.
   double extent_std = 0.5;
@@ -66,7 +66,7 @@ struct DetectionParams {
   double unobserved_std = 100.0;  ///< m/s, 1 sigma of velocities that nothing tells of
   /// m/s: static returns at least this fast are detections of their own that may carry on a track.
   /// Infinite = none.
-  double weak_threshold = 0.3;
+  double weak_threshold = 0.5;
   /// Region and returns are one object where the returns lie within this many sigma of the position of the
   /// region.
   double region_gate = 3.0;

@@ -24,15 +24,21 @@ struct ObjectTrackerParams {
   /// included, of the radar that started it; else it is given up. Detections of other radars count too.
   int confirm_hits = 3;
   int confirm_scans = 5;
-  double max_coast = 0.4;      ///< s, a track lives without any detection
+  /// s, a track lives without any detection as long as it has been followed before, within these.
+  double min_coast = 0.25;
+  double max_coast = 0.8;
   double max_weak_time = 1.0;  ///< s, a track lives on detections that do not move by themselves
 
-  /// A detection that found no partner starts no track where a confirmed one is within these: m, and m/s
-  /// along the line of sight. Large bodies give several detections.
-  double absorb_distance = 3.0;
-  double absorb_velocity = 2.0;
-  /// m; of two confirmed tracks that are closer and whose states agree within the gate the younger ends.
-  double merge_distance = 2.0;
+  /// Large bodies give several detections, and large bodies are fast. One body reaches from a track, along
+  /// its heading, as far as it moves in body_time, within the two lengths, and across as far as its width
+  /// allows (an ellipse); and its velocities, as far as they are known, differ by less than body_velocity and
+  /// their own 3 sigma. A detection without a partner that belongs to the body of a confirmed track starts no
+  /// track; of two confirmed tracks of one body the younger ends.
+  double min_body_length = 2.0;  ///< m
+  double max_body_length = 7.0;  ///< m
+  double max_body_width = 2.5;   ///< m
+  double body_time = 2.0;        ///< s
+  double body_velocity = 2.0;    ///< m/s
 
   double max_lag = 0.2;    ///< s, by which a scan may be older than the newest
   double min_speed = 0.5;  ///< m/s; slower tracks are not reported as moving
@@ -111,6 +117,8 @@ class ObjectTracker {
   void associate(std::vector<Measurement>& measurements, bool confirmed, bool moving,
                  std::vector<bool>& updated);
   void correct(const Measurement& measurement, ObjectTrack& track) const;
+  bool isOneBody(const ObjectTrack& track, const Eigen::Vector4d& apart,
+                 const Eigen::Matrix2d& velocity_covariance) const;
   bool isAbsorbed(const Measurement& measurement) const;
   void start(const Measurement& measurement, std::size_t radar);
   void endTracks(double time);

@@ -31,7 +31,13 @@ struct OverGroundParams {
   double range_std = 0.25;      ///< m
   double azimuth_std = 0.0175;  ///< rad
   double doppler_std = 0.12;    ///< m/s
-  SegmentationParams segmentation;
+  /// More sensitive than what the ego velocity needs: a tracker sorts out what does not move on.
+  SegmentationParams segmentation = [] {
+    SegmentationParams sensitive;
+    sensitive.isolated_threshold = 1.0;
+    sensitive.supported_threshold = 0.5;
+    return sensitive;
+  }();
 };
 
 /// The returns of one scan over ground. With the velocity v and the turn rate w of the base frame, the mount
