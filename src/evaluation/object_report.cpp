@@ -125,7 +125,7 @@ ObjectReport& ObjectReport::operator+=(const ObjectReport& other) {
 std::string formatTable(const std::vector<ObjectReport>& scenes, const ObjectReport& overall) {
   std::string table =
       "Tracks of moving objects against annotated movers at keyframes. Unseen: movers without any return, "
-      "still: with returns that do not move.\n";
+      "still: with returns, none of which is trusted and moves.\n";
   table += fmt::format("{:<14}{:<12}{:>7}{:>9}{:>8}{:>9}{:>9}{:>10}{:>10}{:>10}{:>10}\n", "Scene", "Kind",
                        "Movers", "Unseen %", "Still %", "Recall %", "of seen", "pos. m", "rad. m/s",
                        "rad. med.", "vel. m/s");

@@ -64,7 +64,7 @@ struct MoverCounts {
   std::size_t movers = 0;   ///< annotated boxes that move, in the region
   std::size_t matched = 0;  ///< of them, with a track
   std::size_t unseen = 0;   ///< of them, without any return in the box within unseen_time
-  /// Of them, with returns, none of which moves over ground faster than the threshold of the labels.
+  /// Of them, with returns, none of which is labelled dynamic: doubtful ones never are.
   std::size_t unmoving = 0;
   ObjectErrors errors;
   double recall() const;      ///< matched / movers
