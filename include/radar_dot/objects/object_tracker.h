@@ -1,0 +1,133 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "radar_dot/objects/object_detection.h"
+
+namespace radar_dot {
+
+/// Parameters of ObjectTracker.
+struct ObjectTrackerParams {
+  /// m/s^2, 1 sigma of the change of the velocity in one second (the spectral density of the white
+  /// acceleration is its square times 1 s).
+  double acceleration_std = 2.0;
+  double initial_speed_std = 4.0;  ///< m/s, 1 sigma of a velocity of which nothing is known
+  double gate = 3.7;               ///< sigma, largest Mahalanobis distance from a track to its detection
+
+  /// A track is confirmed by `confirm_hits` detections before the `confirm_scans`-th scan, its first one
+  /// included, of the radar that started it; else it is given up. Detections of other radars count too.
+  int confirm_hits = 3;
+  int confirm_scans = 5;
+  /// s, a track lives without any detection as long as it has been followed before, within these.
+  double min_coast = 0.25;
+  double max_coast = 0.8;
+  double max_weak_time = 1.0;  ///< s, a track lives on detections that do not move by themselves
+
+  /// Large bodies give several detections, and large bodies are fast. One body reaches from a track, along
+  /// its heading, as far as it moves in body_time, within the two lengths, and across as far as its width
+  /// allows (an ellipse); and its velocities, as far as they are known, differ by less than body_velocity and
+  /// their own 3 sigma. A detection without a partner that belongs to the body of a confirmed track starts no
+  /// track; of two confirmed tracks of one body the younger ends.
+  double min_body_length = 2.0;  ///< m
+  double max_body_length = 7.0;  ///< m
+  double max_body_width = 2.5;   ///< m
+  double body_time = 2.0;        ///< s
+  double body_velocity = 2.0;    ///< m/s
+
+  double max_lag = 0.2;    ///< s, by which a scan may be older than the newest
+  double min_speed = 0.5;  ///< m/s; slower tracks are not reported as moving
+};
+/// @throws std::invalid_argument naming the parameter that makes no sense.
+void validate(const ObjectTrackerParams& params);
+
+/// An object followed over time, in a world-fixed frame (odom). Covariance of [position, velocity].
+struct ObjectTrack {
+  std::uint64_t id = 0;      ///< from 1, never used again
+  double time = 0.0;         ///< s, the state holds at
+  double birth = 0.0;        ///< s
+  double last_hit = 0.0;     ///< s, of the latest detection, whether or not it moves by itself
+  double last_moving = 0.0;  ///< s, of the latest one that does
+  Eigen::Vector4d state = Eigen::Vector4d::Zero();           ///< [x, y, vx, vy], m and m/s, odom frame
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  ///< of `state`
+  std::size_t hits = 0;                                      ///< detections so far
+  bool confirmed = false;
+  std::size_t return_count = 0, pixel_count = 0;  ///< of the latest detection
+  ImageBox box;                                   ///< of the latest detection with an image
+
+  Eigen::Vector2d position() const { return state.head<2>(); }
+  Eigen::Vector2d velocity() const { return state.tail<2>(); }
+  double speed() const { return velocity().norm(); }
+  /// The state brought to `time` at constant velocity, with the uncertainty that this adds.
+  ObjectTrack at(double when, double acceleration_std) const;
+};
+
+/// Tracks of moving objects from detections: a Kalman filter for each with constant velocity and white
+/// acceleration,
+///     x' = F(dt) x,   F = [I, dt I; 0, I],   Q = q^2 [dt^3/3 I, dt^2/2 I; dt^2/2 I, dt I],
+/// and the detection z = [p, v] with its covariances, turned into the world-fixed frame, as measurement.
+/// Components of v that a detection does not know have a large variance and hence no weight: the velocity
+/// across the line of sight comes from the change of the bearing, from radars elsewhere on the vehicle, and
+/// from images. Updates are in Joseph form.
+///
+/// Association is by global nearest neighbour (Mahalanobis distance d^2 + ln det S, gated, Hungarian method)
+/// in three passes: confirmed tracks with moving detections, tentative tracks with those left over, confirmed
+/// tracks left over with weak detections.
+///
+/// Scans come one by one, each at its own stamp. One that is older than the newest by at most max_lag is used
+/// as a measurement of the past state, z = H F(t - t_track) x, with the process noise in between added to its
+/// covariance.
+///
+/// Bar-Shalom, Li, Kirubarajan: Estimation with Applications to Tracking and Navigation, 2001, chapter 6;
+/// Blackman, Popoli: Design and Analysis of Modern Tracking Systems, 1999, chapter 6.
+class ObjectTracker {
+ public:
+  /// @throws std::invalid_argument see validate
+  explicit ObjectTracker(const ObjectTrackerParams& params = {});
+
+  /// Adds the detections of one scan, which may be none.
+  /// @param time   s, of the scan @param radar  its number, the same in all scans
+  /// @param T_odom_from_base  pose of the vehicle at `time`; only its planar part is used
+  /// @return false, and no change, for a scan older than max_lag or an input that is not finite
+  bool update(double time, std::size_t radar, const std::vector<ObjectDetection>& detections,
+              const Eigen::Isometry3d& T_odom_from_base);
+
+  /// Confirmed tracks that move, brought to `time` (s), ordered by id.
+  std::vector<ObjectTrack> moving(double time) const;
+  /// All tracks as they are, tentative ones included.
+  std::vector<ObjectTrack> all() const;
+
+  void reset();  ///< forgets all tracks; ids go on
+  const ObjectTrackerParams& params() const noexcept { return params_; }
+
+ private:
+  struct Candidate {
+    ObjectTrack track;
+    std::size_t radar = 0;  ///< that started it
+    int scans = 1;          ///< of this radar, until the track is confirmed
+  };
+  struct Measurement;
+  static Measurement measurementOf(const ObjectDetection& detection,
+                                   const Eigen::Isometry3d& T_odom_from_base);
+  void associate(std::vector<Measurement>& measurements, bool confirmed, bool moving,
+                 std::vector<bool>& updated);
+  void correct(const Measurement& measurement, ObjectTrack& track) const;
+  bool isOneBody(const ObjectTrack& track, const Eigen::Vector4d& apart,
+                 const Eigen::Matrix2d& velocity_covariance) const;
+  bool isAbsorbed(const Measurement& measurement) const;
+  void start(const Measurement& measurement, std::size_t radar);
+  void endTracks(double time);
+  void mergeTracks();
+
+  ObjectTrackerParams params_;
+  std::vector<Candidate> candidates_;
+  std::uint64_t next_id_ = 1;
+  double newest_;  ///< s
+};
+
+}  // namespace radar_dot

@@ -1,0 +1,269 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/evaluation/object_evaluation.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "annotated_objects.h"
+#include "causal_motion.h"
+#include "estimated_sweeps.h"
+#include "radar_dot/objects/assignment.h"
+#include "radar_scene.h"
+
+namespace radar_dot::evaluation {
+namespace {
+
+using dataset::Index;
+
+/// A scan with its returns over ground, in time order.
+struct SeenScan {
+  double time = 0.0;
+  std::size_t radar = 0;
+  std::vector<ReturnOverGround> returns;
+};
+
+/// Of the doubtful scan the returns that the trusted one lacks, as static ones.
+void addDoubtful(const RadarScan& doubtful, const EstimatedVelocity& velocity, const OverGroundParams& params,
+                 const std::vector<DopplerReturn>& trusted, std::vector<ReturnOverGround>& returns) {
+  std::set<std::uint32_t> known;
+  for (const DopplerReturn& one : trusted) known.insert(one.index);
+  for (ReturnOverGround& one : returnsOverGround(doubtful, velocity.linear, velocity.angular, params)) {
+    if (known.count((*doubtful.returns)[one.index].index) > 0) continue;
+    one.label = ReturnLabel::kStatic;
+    returns.push_back(one);
+  }
+}
+
+std::vector<SeenScan> seenScans(const RadarScene& scene, const RadarScene* doubtful,
+                                const CausalMotion& motion, const ObjectEvaluationOptions& options) {
+  std::vector<SeenScan> seen;
+  for (std::size_t radar = 0; radar < scene.radars.size(); ++radar) {
+    for (std::size_t i = 0; i < scene.radars[radar].scans.size(); ++i) {
+      std::vector<RadarScan> scan = {scene.radars[radar].scan(i)};
+      scan[0].radar = radar;
+      const auto velocity = motion.velocityAt(scan[0].time);
+      if (!velocity) continue;
+      turnBearings(scan, options.ego.bearing_delay, velocity->angular.z());
+      seen.push_back({scan[0].time, radar,
+                      returnsOverGround(scan[0], velocity->linear, velocity->angular, options.returns)});
+      if (doubtful == nullptr) continue;
+      RadarScan with_doubtful = scan[0];
+      with_doubtful.returns = &doubtful->radars[radar].scans[i].returns;
+      addDoubtful(with_doubtful, *velocity, options.returns, *scan[0].returns, seen.back().returns);
+    }
+  }
+  std::stable_sort(seen.begin(), seen.end(),
+                   [](const SeenScan& a, const SeenScan& b) { return a.time < b.time; });
+  return seen;
+}
+
+/// A track at a keyframe, map frame.
+struct ReportedTrack {
+  std::uint64_t id = 0;
+  Eigen::Vector2d position, velocity;
+  Eigen::Matrix2d velocity_covariance;
+  bool in_region = false;
+};
+
+bool inRegion(const Eigen::Vector2d& in_base, const ObjectEvaluationOptions& options) {
+  return in_base.norm() <= options.max_range &&
+         std::abs(std::atan2(in_base.y(), in_base.x())) <= options.max_azimuth;
+}
+
+Eigen::Vector2d inBase(const Eigen::Isometry3d& T_map_from_base, const Eigen::Vector3d& in_map) {
+  return (T_map_from_base.inverse() * in_map).head<2>();
+}
+
+/// Compares tracks with boxes, keyframe by keyframe.
+class Comparison {
+ public:
+  Comparison(const dataset::Tables& tables, const RadarScene& scene, const CausalMotion& motion,
+             const std::vector<SeenScan>& scans, const ObjectEvaluationOptions& options, ObjectReport& report)
+      : tables_(tables), scene_(scene), motion_(motion), scans_(scans), options_(options), report_(report) {}
+
+  void add(std::size_t keyframe, const std::vector<ObjectTrack>& moving) {
+    const double time = scene_.keyframe_times[keyframe];
+    const Eigen::Isometry3d T_map_from_base = scene_.truth.at(time);
+    ++report_.keyframes;
+    const std::vector<AnnotatedObject> boxes =
+        annotatedObjects(tables_, scene_.keyframe_samples[keyframe], options_.min_speed);
+    std::vector<const AnnotatedObject*> movers;
+    for (const AnnotatedObject& box : boxes)
+      if (box.state == BoxState::kMoves) movers.push_back(&box);
+    const std::vector<ReportedTrack> tracks = reportedTracks(moving, time, T_map_from_base);
+    const std::vector<int> track_of_mover = match(movers, tracks);
+    std::vector<bool> matched(tracks.size(), false);
+    for (std::size_t m = 0; m < movers.size(); ++m) {
+      const ReportedTrack* track = nullptr;
+      if (track_of_mover[m] != kUnassigned) {
+        track = &tracks[static_cast<std::size_t>(track_of_mover[m])];
+        matched[static_cast<std::size_t>(track_of_mover[m])] = true;
+      }
+      if (inRegion(inBase(T_map_from_base, movers[m]->box.centre), options_))
+        addMover(*movers[m], track, time, T_map_from_base);
+    }
+    for (std::size_t t = 0; t < tracks.size(); ++t)
+      if (tracks[t].in_region) addTrack(tracks[t], matched[t], boxes);
+  }
+
+ private:
+  std::vector<ReportedTrack> reportedTracks(const std::vector<ObjectTrack>& moving, double time,
+                                            const Eigen::Isometry3d& T_map_from_base) const {
+    const Eigen::Isometry3d T_base_from_odom = motion_.poseAt(time).inverse();
+    const Eigen::Isometry3d T_map_from_odom = T_map_from_base * T_base_from_odom;
+    const Eigen::Matrix2d R = T_map_from_odom.linear().topLeftCorner<2, 2>();
+    std::vector<ReportedTrack> tracks;
+    for (const ObjectTrack& track : moving) {
+      const Eigen::Vector3d in_odom(track.position().x(), track.position().y(), 0.0);
+      ReportedTrack reported;
+      reported.id = track.id;
+      reported.position = (T_map_from_odom * in_odom).head<2>();
+      reported.velocity = R * track.velocity();
+      reported.velocity_covariance = R * track.covariance.bottomRightCorner<2, 2>() * R.transpose();
+      reported.in_region = inRegion((T_base_from_odom * in_odom).head<2>(), options_);
+      tracks.push_back(reported);
+    }
+    return tracks;
+  }
+
+  bool lies(const Eigen::Vector2d& position, const AnnotatedObject& object) const {
+    return object.contains(position, object.box.time, options_.margin) ||
+           (position - object.box.centre.head<2>()).norm() <= options_.centre_distance;
+  }
+
+  std::vector<int> match(const std::vector<const AnnotatedObject*>& movers,
+                         const std::vector<ReportedTrack>& tracks) const {
+    Eigen::MatrixXd costs = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(movers.size()),
+                                                      static_cast<Eigen::Index>(tracks.size()),
+                                                      std::numeric_limits<double>::infinity());
+    for (std::size_t m = 0; m < movers.size(); ++m)
+      for (std::size_t t = 0; t < tracks.size(); ++t)
+        if (lies(tracks[t].position, *movers[m]))
+          costs(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(t)) =
+              (tracks[t].position - movers[m]->box.centre.head<2>()).norm();
+    constexpr double kPairsFirst = 1e6;
+    return assign(costs, kPairsFirst);
+  }
+
+  void addMover(const AnnotatedObject& mover, const ReportedTrack* track, double time,
+                const Eigen::Isometry3d& T_map_from_base) {
+    MoverCounts& counts = report_.kinds[static_cast<std::size_t>(mover.kind)];
+    ++counts.movers;
+    countReturns(mover, time, counts);
+    if (track == nullptr) return;
+    ++counts.matched;
+    const Eigen::Vector2d error = track->velocity - mover.box.velocity.head<2>();
+    const Eigen::Vector2d bearing = (track->position - T_map_from_base.translation().head<2>()).normalized();
+    counts.errors.position.push_back((track->position - mover.box.centre.head<2>()).norm());
+    counts.errors.radial.push_back(bearing.dot(error));
+    counts.errors.velocity.push_back(error.norm());
+    counts.errors.normalised_velocity.add(error.dot(track->velocity_covariance.inverse() * error));
+    const auto [entry, is_new] = last_track_.try_emplace(mover.instance, track->id);
+    if (!is_new && entry->second != track->id) ++report_.identity_switches;
+    entry->second = track->id;
+  }
+
+  void countReturns(const AnnotatedObject& mover, double time, MoverCounts& counts) const {
+    bool seen = false, moves = false;
+    for (const SeenScan& scan : scans_) {
+      if (scan.time < time - options_.unseen_time || scan.time > time) continue;
+      const Eigen::Isometry3d T_map_from_base = scene_.truth.at(scan.time);
+      for (const ReturnOverGround& one : scan.returns) {
+        const Eigen::Vector3d in_map =
+            T_map_from_base * Eigen::Vector3d(one.position.x(), one.position.y(), 0.0);
+        if (!mover.contains(in_map.head<2>(), scan.time, options_.margin)) continue;
+        seen = true;
+        moves = moves || one.label == ReturnLabel::kDynamic;
+      }
+    }
+    if (!seen) ++counts.unseen;
+    if (seen && !moves) ++counts.unmoving;
+  }
+
+  void addTrack(const ReportedTrack& track, bool matched, const std::vector<AnnotatedObject>& boxes) {
+    ++report_.tracks;
+    if (matched) {
+      ++report_.true_tracks;
+      return;
+    }
+    const auto inBoxThat = [&](BoxState state) {
+      return std::any_of(boxes.begin(), boxes.end(), [&](const AnnotatedObject& box) {
+        return box.state == state && lies(track.position, box);
+      });
+    };
+    if (inBoxThat(BoxState::kMoves)) {
+      ++report_.duplicates;
+    } else if (inBoxThat(BoxState::kUnknown)) {
+      ++report_.unknown_tracks;
+    } else if (inBoxThat(BoxState::kStands)) {
+      ++report_.standing_tracks;
+    } else {
+      ++report_.empty_tracks;
+    }
+  }
+
+  const dataset::Tables& tables_;
+  const RadarScene& scene_;
+  const CausalMotion& motion_;
+  const std::vector<SeenScan>& scans_;
+  const ObjectEvaluationOptions& options_;
+  ObjectReport& report_;
+  std::map<Index, std::uint64_t> last_track_;  // by instance
+};
+
+}  // namespace
+
+ReturnFilter objectFilter() {
+  ReturnFilter filter;
+  filter.invalid_states = {0, 4, 8, 9, 10, 11, 12, 16, 17};
+  filter.pdh0_states = {1, 2, 3};
+  return filter;
+}
+
+ObjectReport evaluateObjects(const dataset::Tables& tables, Index scene,
+                             const ObjectEvaluationOptions& options) {
+  VelocityEvaluationOptions ego = options.ego;
+  ego.filter = true;
+  ExtractionParams extraction = ego.extraction;
+  const RadarScene for_ego = loadRadarScene(tables, scene, ego.channels, extraction);
+  extraction.filter = options.filter;
+  const RadarScene for_objects = loadRadarScene(tables, scene, ego.channels, extraction);
+  SavedMasks masks(tables, scene, ego);
+  const CausalMotion motion(estimateSweeps(for_ego, ego, masks).filtered);
+  std::optional<RadarScene> with_doubtful;
+  if (options.doubtful) {
+    extraction.filter.invalid_states.clear();
+    extraction.filter.ambig_states.clear();
+    extraction.filter.pdh0_states.clear();
+    with_doubtful = loadRadarScene(tables, scene, ego.channels, extraction);
+  }
+  const std::vector<SeenScan> scans =
+      seenScans(for_objects, with_doubtful ? &*with_doubtful : nullptr, motion, options);
+
+  ObjectReport report;
+  report.scene = tables.scenes[at(scene)].name;
+  Comparison comparison(tables, for_objects, motion, scans, options, report);
+  ObjectTracker tracker(options.tracker);
+  std::size_t keyframe = 0;
+  const std::vector<double>& times = for_objects.keyframe_times;
+  const auto compareBefore = [&](double time) {
+    for (; keyframe < times.size() && times[keyframe] < time; ++keyframe)
+      if (for_objects.truth.covers(times[keyframe]))
+        comparison.add(keyframe, tracker.moving(times[keyframe]));
+  };
+  for (const SeenScan& scan : scans) {
+    compareBefore(scan.time);
+    tracker.update(scan.time, scan.radar, detectObjects(scan.time, scan.returns, {}, options.detection),
+                   motion.poseAt(scan.time));
+  }
+  compareBefore(std::numeric_limits<double>::infinity());
+  return report;
+}
+
+}  // namespace radar_dot::evaluation
