@@ -181,7 +181,9 @@ bool Refiner::residual(const Pixel& pixel, Eigen::Vector2d& r, Eigen::Matrix2d& 
     jacobian.col(kHeight) = by_rho * ray.by_height;
   }
   const Eigen::Vector2d g = by_rho * (pixel.rho_std * rho);
-  information = (pixel.flow_variance * Eigen::Matrix2d::Identity() + g * g.transpose()).inverse();
+  // Sherman and Morrison's inverse of flow_variance I + g g^T: no cancellation, however near the point is.
+  information = (Eigen::Matrix2d::Identity() - g * g.transpose() / (pixel.flow_variance + g.squaredNorm())) /
+                pixel.flow_variance;
   return true;
 }
 
@@ -213,6 +215,7 @@ void Refiner::step() {
     gradient.noalias() += weighted * term.r;
   }
   const Vector8 change = information_.llt().solve(gradient);
+  if (!change.allFinite()) return;
   total_ += change;
   const Eigen::Vector3d omega = change.head<3>();
   Eigen::Isometry3d small = Eigen::Isometry3d::Identity();

@@ -155,6 +155,22 @@ TEST(RefineMotion, FindsThePitchOfTheGroundAhead) {
   EXPECT_FLOAT_EQ(depth.at<float>(10, 10), 30.0F);  // a house is no ground
 }
 
+// Noise may bring a point right before the camera, or beyond.
+TEST(RefineMotion, StandsDepthsThatAreNone) {
+  Vector6 change;
+  change << 0.01, 0.0, 0.0, 0.0, 0.0, 0.0;
+  MotionInput input = street(moved(change, drive()), flat());
+  for (int i = 0; i < 60; ++i) {
+    input.depth.row(3 * i).colRange(0, 200).setTo(std::pow(10.0, -0.5 * i));
+    input.depth.at<float>(3 * i, 300) = 4.0F + 1e-6F * static_cast<float>(i);  // just where the camera goes
+  }
+  input.T_current_from_previous = drive();
+  input.motion_covariance = prior();
+  const RefinedMotion refined = refineMotion(input);
+  EXPECT_TRUE(refined.T_current_from_previous.matrix().allFinite());
+  EXPECT_LT(errorOf(refined, moved(change, drive())).head<3>().norm(), 5e-3);
+}
+
 TEST(RefineMotion, TooLittleChangesNothing) {
   MotionInput input = street(drive(), flat());
   input.T_current_from_previous = drive();
