@@ -65,7 +65,7 @@ void evaluatePair(SceneImages& images, const ImagePair& pair, const FlowEvaluati
     input.T_current_from_previous = staticPointMotion(images.mountOf(first), images.trueMotion(pair));
     input.depth = images.depthOf(pair.first);
   }
-  const bool is_estimated = options.flow != "ground_truth" && options.flow != "files";
+  const bool is_estimated = isEstimatedFlow(options.flow);
   if (is_estimated) {
     images.pictureOf(pair.first);  // read before the time counts
     images.pictureOf(pair.second);

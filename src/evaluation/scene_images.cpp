@@ -17,8 +17,6 @@ namespace fs = std::filesystem;
 using dataset::DatasetError;
 using dataset::Index;
 
-bool isEstimated(const std::string& backend) { return backend != "ground_truth" && backend != "files"; }
-
 DepthSource depthSourceOf(const SegmentationEvaluationOptions& options) {
   return {options.depth,        options.depth_directory,      options.working_width,
           options.depth_params, options.depth_radar_channels, false};
@@ -54,12 +52,14 @@ std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const
   return found;
 }
 
+bool isEstimatedFlow(const std::string& flow) { return flow != "ground_truth" && flow != "files"; }
+
 SceneImages::SceneImages(const dataset::Tables& tables, const RadarScene& radar,
                          const SegmentationEvaluationOptions& options)
     : SceneDepths(tables, radar, depthSourceOf(options)), options_(options) {
   if (options.flow == "files" && options.flow_directory.empty())
     throw std::invalid_argument("flow 'files' needs a folder with the flows (--flow-directory)");
-  if (isEstimated(options.flow)) {
+  if (isEstimatedFlow(options.flow)) {
     OpticalFlowParams params = options.optical_flow;
     params.backend = options.flow;
     params.working_width = options.working_width;

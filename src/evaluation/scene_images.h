@@ -26,6 +26,9 @@ struct ImagePair {
 std::vector<ImagePair> pairsOf(const dataset::Tables& tables, dataset::Index scene,
                                const std::string& channel, const std::string& pairs, std::size_t max_pairs);
 
+/// Flow of a backend, not of the truth or of files.
+bool isEstimatedFlow(const std::string& flow);
+
 /// What the evaluation sees of the images of a scene: besides their depths, motion and flow of pairs.
 class SceneImages : public SceneDepths {
  public:

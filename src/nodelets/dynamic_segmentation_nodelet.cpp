@@ -228,9 +228,11 @@ DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gather(WaitingF
   inputs.without_rotation = motion.without_rotation;
   inputs.T_base_from_camera = *T_base_from_camera;
   inputs.motion.T_current_from_previous = staticPointMotion(*T_base_from_camera, *motion.T_begin_from_end);
-  const double dt = (inputs.flow->second_stamp - inputs.flow->header.stamp).toSec();
-  inputs.motion.motion_covariance =
-      cameraCovariance(*T_base_from_camera, baseMotionCovariance(motionUncertainty(config_), std::abs(dt)));
+  if (config_.score == "uncertainty" || config_.refine) {
+    const double dt = (inputs.flow->second_stamp - inputs.flow->header.stamp).toSec();
+    inputs.motion.motion_covariance =
+        cameraCovariance(*T_base_from_camera, baseMotionCovariance(motionUncertainty(config_), std::abs(dt)));
+  }
   placeOnGrid(inputs);
   if (config_.radar_gain > 0.0)
     inputs.motion.dynamic_points = dynamicPoints(inputs.flow->header.stamp, *T_base_from_camera);

@@ -11,6 +11,7 @@
 #include "depth_options.h"
 #include "network_options.h"
 #include "radar_dot/evaluation/depth_evaluation.h"
+#include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "result_files.h"
 #include "scene_loop.h"
 
@@ -58,8 +59,8 @@ int run(const Arguments& arguments) {
   dataset::LoadOptions load;
   load.version = arguments.version;
   load.scenes = arguments.scenes;
-  const auto reports = radar_dot::tools::evaluateScenes<DepthReport>(
-      "evaluate_depth", dataset::Tables::load(arguments.dataroot, load), !arguments.scenes.empty(),
+  const auto reports = radar_dot::tools::evaluateScenes<DepthReport, radar_dot::evaluation::NoImages>(
+      "evaluate_depth", dataset::Tables::load(arguments.dataroot, load), !arguments.scenes.empty(), "images",
       [&arguments](const dataset::Tables& tables, dataset::Index scene) {
         return evaluateDepth(tables, scene, arguments.options);
       });

@@ -12,6 +12,7 @@
 
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
 #include "result_files.h"
+#include "scene_loop.h"
 
 namespace {
 
@@ -149,19 +150,12 @@ int run(Arguments& arguments) {
   load.scenes = arguments.scenes;
   const dataset::Tables tables = dataset::Tables::load(arguments.dataroot, load);
 
-  std::vector<VelocityReport> reports;
-  VelocityReport overall;
-  for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
-    try {
-      reports.push_back(evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene), options));
-      overall += reports.back();
-    } catch (const radar_dot::evaluation::NoRadarFiles& error) {
-      // A dataroot may hold a part of the scenes; one that was asked for must be there.
-      if (!arguments.scenes.empty() || tables.scenes.size() == 1) throw;
-      fmt::print(stderr, "evaluate_ego_velocity: warning: left out {}\n", error.what());
-    }
-  }
-  if (reports.empty()) throw std::runtime_error(arguments.dataroot + ": no scene has radar files on disk");
+  const auto [reports, overall] =
+      radar_dot::tools::evaluateScenes<VelocityReport, radar_dot::evaluation::NoRadarFiles>(
+          "evaluate_ego_velocity", tables, !arguments.scenes.empty(), "radar files",
+          [&options](const dataset::Tables& all, dataset::Index scene) {
+            return evaluateEgoVelocity(all, scene, options);
+          });
   for (const auto& [channel, counts] : overall.missing_files) {
     fmt::print(stderr,
                "evaluate_ego_velocity: warning: {}: {} of {} files are not on disk; evaluated the others\n",

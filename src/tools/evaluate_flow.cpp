@@ -10,6 +10,7 @@
 #include "depth_options.h"
 #include "network_options.h"
 #include "radar_dot/evaluation/flow_evaluation.h"
+#include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "result_files.h"
 #include "scene_loop.h"
 
@@ -95,8 +96,8 @@ int run(const Arguments& arguments) {
   dataset::LoadOptions load;
   load.version = arguments.version;
   load.scenes = arguments.scenes;
-  const auto reports = radar_dot::tools::evaluateScenes<FlowReport>(
-      "evaluate_flow", dataset::Tables::load(arguments.dataroot, load), !arguments.scenes.empty(),
+  const auto reports = radar_dot::tools::evaluateScenes<FlowReport, radar_dot::evaluation::NoImages>(
+      "evaluate_flow", dataset::Tables::load(arguments.dataroot, load), !arguments.scenes.empty(), "images",
       [&options](const dataset::Tables& tables, dataset::Index scene) {
         return evaluateFlow(tables, scene, options);
       });

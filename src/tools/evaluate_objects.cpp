@@ -10,6 +10,7 @@
 
 #include "radar_dot/evaluation/object_evaluation.h"
 #include "result_files.h"
+#include "scene_loop.h"
 
 namespace {
 
@@ -114,19 +115,12 @@ int run(Arguments& arguments) {
   load.scenes = arguments.scenes;
   const dataset::Tables tables = dataset::Tables::load(arguments.dataroot, load);
 
-  std::vector<ObjectReport> reports;
-  ObjectReport overall;
-  for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
-    try {
-      reports.push_back(evaluateObjects(tables, static_cast<dataset::Index>(scene), options));
-      overall += reports.back();
-    } catch (const radar_dot::evaluation::NoRadarFiles& error) {
-      // A dataroot may hold a part of the scenes; one that was asked for must be there.
-      if (!arguments.scenes.empty() || tables.scenes.size() == 1) throw;
-      fmt::print(stderr, "evaluate_objects: warning: left out {}\n", error.what());
-    }
-  }
-  if (reports.empty()) throw std::runtime_error(arguments.dataroot + ": no scene has radar files on disk");
+  const auto [reports, overall] =
+      radar_dot::tools::evaluateScenes<ObjectReport, radar_dot::evaluation::NoRadarFiles>(
+          "evaluate_objects", tables, !arguments.scenes.empty(), "radar files",
+          [&options](const dataset::Tables& all, dataset::Index scene) {
+            return evaluateObjects(all, scene, options);
+          });
   arguments.files.write(reports, overall);
   return 0;
 }

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "radar_dot/dataset/tables.h"
-#include "radar_dot/evaluation/segmentation_evaluation.h"
 
 namespace radar_dot::tools {
 
@@ -21,26 +20,28 @@ struct SceneReports {
   Report overall;
 };
 
-/// Evaluates scene by scene. A dataroot may hold a part of the scenes: one without images is left out, with
-/// a warning; one that was asked for, or the only one, must be there.
+/// Evaluates scene by scene. A dataroot may hold a part of the scenes: one without what is evaluated, of
+/// which `Missing` tells, is left out, with a warning; one that was asked for, or the only one, must be
+/// there.
 /// @param tool      its name, before the warning
+/// @param what      "images", "radar files": what a scene must have
 /// @param evaluate  (tables, row of the scene) -> Report
-/// @throws what `evaluate` throws, and std::runtime_error where no scene has images.
-template <typename Report, typename Evaluate>
+/// @throws what `evaluate` throws, and std::runtime_error where no scene has it.
+template <typename Report, typename Missing, typename Evaluate>
 SceneReports<Report> evaluateScenes(const char* tool, const dataset::Tables& tables, bool asked_for,
-                                    const Evaluate& evaluate) {
+                                    const char* what, const Evaluate& evaluate) {
   SceneReports<Report> reports;
   for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
     try {
       reports.scenes.push_back(evaluate(tables, static_cast<dataset::Index>(scene)));
       reports.overall += reports.scenes.back();
-    } catch (const evaluation::NoImages& error) {
+    } catch (const Missing& error) {
       if (asked_for || tables.scenes.size() == 1) throw;
       fmt::print(stderr, "{}: warning: left out {}\n", tool, error.what());
     }
   }
   if (reports.scenes.empty())
-    throw std::runtime_error(tables.dataroot().string() + ": no scene has images on disk");
+    throw std::runtime_error(fmt::format("{}: no scene has {} on disk", tables.dataroot().string(), what));
   return reports;
 }
 

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <array>
 #include <memory>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <vector>
 
 #include "radar_dot/vision/grid_flow.h"
+#include "radar_dot/vision/network_images.h"
 #include "torch_backends.h"
 #include "torch_model.h"
 
@@ -16,6 +18,10 @@ namespace {
 
 constexpr int kSideStep = 8;       // px; networks of the kind of RAFT work at an eighth of the resolution
 constexpr int kSmallestSide = 64;  // px
+
+// The network gets 0 to 255.
+constexpr std::array<double, 3> kAsTheyAre = {1.0, 1.0, 1.0};
+constexpr std::array<double, 3> kNoOffset = {0.0, 0.0, 0.0};
 
 void requireSide(const char* name, int side) {
   if (side < kSmallestSide || side % kSideStep != 0) {
@@ -44,8 +50,9 @@ class TorchFlow : public GridFlow {
   }
 
   cv::Mat run(const cv::Mat& first, const cv::Mat& second) override {
-    const cv::Mat first_planes = planesOf(first);
-    const cv::Mat second_planes = planesOf(second);
+    cv::Mat first_planes, second_planes;
+    colourPlanes(first, kAsTheyAre, kNoOffset, first_planes);
+    colourPlanes(second, kAsTheyAre, kNoOffset, second_planes);
     const cv::Mat output =
         model_->run({first_planes.ptr<float>(), second_planes.ptr<float>()}, params().network.threads);
     const cv::Mat components[] = {output.rowRange(0, first.rows),
@@ -56,18 +63,6 @@ class TorchFlow : public GridFlow {
   }
 
  private:
-  /// BGR image to planes of red, green and blue, one below the other.
-  static cv::Mat planesOf(const cv::Mat& image) {
-    cv::Mat planes(3 * image.rows, image.cols, CV_32FC1);
-    for (int channel = 0; channel < 3; ++channel) {
-      cv::Mat bytes;
-      cv::extractChannel(image, bytes, 2 - channel);
-      cv::Mat plane = planes.rowRange(channel * image.rows, (channel + 1) * image.rows);
-      bytes.convertTo(plane, CV_32F);
-    }
-    return planes;
-  }
-
   std::shared_ptr<TorchModel> model_;
 };
 

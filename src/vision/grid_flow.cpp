@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "radar_dot/vision/camera_intrinsics.h"
+#include "radar_dot/vision/network_images.h"
 #include "warp.h"
 
 namespace radar_dot {
@@ -111,9 +112,7 @@ FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const c
   if (params_.forward_backward) {
     const cv::Mat start_back = start.empty() ? cv::Mat() : fillUnknown(reversed(start));
     const cv::Mat back = resizeFlow(runFrom(start_back, second_on_grid, first_on_grid), wanted);
-    field.closure = forwardBackwardGap(field.flow, back);
-    field.valid = forwardBackwardValid(field.flow, back, params_.forward_backward_absolute,
-                                       params_.forward_backward_relative);
+    closeForwardBackward(field, back, params_.forward_backward_absolute, params_.forward_backward_relative);
   }
   if (params_.initialisation == "temporal") previous_ = there.clone();
   return field;
@@ -124,11 +123,7 @@ cv::Mat GridFlow::prepared(const cv::Mat& image, const cv::Size& grid) const {
   cv::Mat converted = image;
   // The smaller number of channels is the cheaper one to resize.
   if (image.channels() > channels) cv::cvtColor(image, converted, cv::COLOR_BGR2GRAY);
-  cv::Mat on_grid = converted;
-  if (grid != image.size()) {
-    const bool smaller = grid.width <= image.cols && grid.height <= image.rows;
-    cv::resize(converted, on_grid, grid, 0.0, 0.0, smaller ? cv::INTER_AREA : cv::INTER_LINEAR);
-  }
+  cv::Mat on_grid = resizedImage(converted, grid);
   if (on_grid.channels() < channels) cv::cvtColor(on_grid, on_grid, cv::COLOR_GRAY2BGR);
   return on_grid;
 }

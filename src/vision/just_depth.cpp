@@ -11,6 +11,8 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "radar_dot/vision/network_images.h"
+
 namespace radar_dot::just_depth {
 namespace {
 
@@ -23,21 +25,13 @@ constexpr std::array<double, 3> kDeviation = {0.229, 0.224, 0.225};
 void imagePlanes(const cv::Mat& image, cv::Mat& planes) {
   if (image.empty() || (image.type() != CV_8UC3 && image.type() != CV_8UC1))
     throw std::invalid_argument("JustDepth: the image must be CV_8UC3 (BGR) or CV_8UC1, and not empty");
-  const cv::Size full(kWidth, kHeight);
-  cv::Mat resized = image;
-  if (image.size() != full) {
-    const bool smaller = image.cols >= kWidth && image.rows >= kHeight;
-    cv::resize(image, resized, full, 0.0, 0.0, smaller ? cv::INTER_AREA : cv::INTER_LINEAR);
+  const cv::Mat seen = resizedImage(image, cv::Size(kWidth, kHeight)).rowRange(kCut, kHeight);
+  std::array<double, 3> factor{}, offset{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    factor[c] = 1.0 / (255.0 * kDeviation[c]);
+    offset[c] = -kMean[c] / kDeviation[c];
   }
-  const cv::Mat seen = resized.rowRange(kCut, kHeight);
-  planes.create(3 * kRows, kWidth, CV_32FC1);
-  for (int channel = 0; channel < 3; ++channel) {
-    cv::Mat bytes = seen;
-    if (seen.channels() == 3) cv::extractChannel(seen, bytes, 2 - channel);  // BGR to RGB
-    const auto c = static_cast<std::size_t>(channel);
-    cv::Mat plane = planes.rowRange(channel * kRows, (channel + 1) * kRows);
-    bytes.convertTo(plane, CV_32F, 1.0 / (255.0 * kDeviation[c]), -kMean[c] / kDeviation[c]);
-  }
+  colourPlanes(seen, factor, offset, planes);
 }
 
 std::vector<float> radarColumns(const std::vector<Eigen::Vector3f>& points_base,

@@ -51,51 +51,44 @@ void registerOpticalFlow(const std::string& backend, OpticalFlowFactory factory)
 
 std::vector<std::string> opticalFlowBackends() { return registry().names(); }
 
-cv::Mat forwardBackwardGap(const cv::Mat& forward, const cv::Mat& backward) {
-  requireFlow(forward, "forward flow");
+void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double absolute, double relative) {
+  requireFlow(forward.flow, "forward flow");
   requireFlow(backward, "backward flow");
-  if (forward.size() != backward.size())
+  if (forward.flow.size() != backward.size())
     throw std::invalid_argument("forward and backward flow have different sizes");
-  const cv::Mat targets = targetsOf(forward);
+  const cv::Mat targets = targetsOf(forward.flow);
   const cv::Mat back = warpedBack(backward, targets);
-  cv::Mat gap(forward.size(), CV_32FC1);
-  const auto last_u = static_cast<float>(forward.cols - 1);
-  const auto last_v = static_cast<float>(forward.rows - 1);
-  for (int row = 0; row < forward.rows; ++row) {
-    const auto* f = forward.ptr<cv::Vec2f>(row);
+  forward.valid.create(backward.size(), CV_8UC1);
+  forward.closure.create(backward.size(), CV_32FC1);
+  const auto tolerance = static_cast<float>(absolute);
+  const auto share = static_cast<float>(relative);
+  const auto last_u = static_cast<float>(backward.cols - 1);
+  const auto last_v = static_cast<float>(backward.rows - 1);
+  for (int row = 0; row < backward.rows; ++row) {
+    const auto* f = forward.flow.ptr<cv::Vec2f>(row);
     const auto* b = back.ptr<cv::Vec2f>(row);
     const auto* to = targets.ptr<cv::Vec2f>(row);
-    auto* out = gap.ptr<float>(row);
-    for (int column = 0; column < forward.cols; ++column) {
+    auto* gaps = forward.closure.ptr<float>(row);
+    auto* out = forward.valid.ptr<std::uint8_t>(row);
+    for (int column = 0; column < backward.cols; ++column) {
       const float x = f[column][0] + b[column][0];
       const float y = f[column][1] + b[column][1];
+      const float length = std::sqrt(f[column].dot(f[column])) + std::sqrt(b[column].dot(b[column]));
       const float u = to[column][0];
       const float v = to[column][1];
       const bool inside = u >= 0.0F && v >= 0.0F && u <= last_u && v <= last_v;  // false for NaN
-      out[column] = inside ? std::sqrt(x * x + y * y) : std::numeric_limits<float>::quiet_NaN();
+      gaps[column] = inside ? std::sqrt(x * x + y * y) : std::numeric_limits<float>::quiet_NaN();
+      out[column] = gaps[column] <= tolerance + share * length ? 255 : 0;  // NaN closes nothing
     }
   }
-  return gap;
 }
 
 cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
                              double relative) {
-  const cv::Mat gap = forwardBackwardGap(forward, backward);
-  const cv::Mat back = warpedBack(backward, targetsOf(forward));
-  cv::Mat valid(forward.size(), CV_8UC1);
-  const auto tolerance = static_cast<float>(absolute);
-  const auto share = static_cast<float>(relative);
-  for (int row = 0; row < forward.rows; ++row) {
-    const auto* f = forward.ptr<cv::Vec2f>(row);
-    const auto* b = back.ptr<cv::Vec2f>(row);
-    const auto* gaps = gap.ptr<float>(row);
-    auto* out = valid.ptr<std::uint8_t>(row);
-    for (int column = 0; column < forward.cols; ++column) {
-      const float length = std::sqrt(f[column].dot(f[column])) + std::sqrt(b[column].dot(b[column]));
-      out[column] = gaps[column] <= tolerance + share * length ? 255 : 0;  // NaN closes nothing
-    }
-  }
-  return valid;
+  FlowField field;
+  field.flow = forward;
+  closeForwardBackward(field, backward, absolute, relative);
+  return field.valid;
 }
 
 cv::Mat resizeFlow(const cv::Mat& flow, const cv::Size& size) {

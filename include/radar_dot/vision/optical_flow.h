@@ -81,9 +81,9 @@ std::vector<std::string> opticalFlowBackends();
 cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
                              double relative);
 
-/// |f(p) + b(p + f(p))|, CV_32FC1, px: zero where forward and backward flow (CV_32FC2, same size) close; NaN
+/// Both of FlowField: `valid` as forwardBackwardValid, and `closure`, |f(p) + b(p + f(p))|, CV_32FC1, px, NaN
 /// where the flow leaves the image, or is not finite.
-cv::Mat forwardBackwardGap(const cv::Mat& forward, const cv::Mat& backward);
+void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double absolute, double relative);
 
 /// Flow on another grid, bilinear, with its vectors scaled to px of that grid.
 cv::Mat resizeFlow(const cv::Mat& flow, const cv::Size& size);
