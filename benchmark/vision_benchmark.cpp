@@ -58,6 +58,29 @@ void literalReference(benchmark::State& state) {
   const MotionInput input = street();
   for (auto _ : state) benchmark::DoNotOptimize(test::literalMotion(input, {}).threshold);
 }
+/// With everything the score by uncertainty looks at: a gap for every pixel, a share of depth noise for every
+/// pixel, and the covariance of the motion.
+void motionSegmenterByUncertainty(benchmark::State& state) {
+  MotionInput input = street();
+  input.flow_valid.release();
+  input.flow_closure = cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(0.5));
+  input.depth_std = cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(0.2));
+  input.motion_covariance.diagonal() << 1e-4, 1e-5, 1e-4, 1e-3, 1e-3, 2e-3;
+  const auto threads = static_cast<std::size_t>(state.range(0));
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  cv::setNumThreads(static_cast<int>(threads));
+  MotionParams params;
+  params.score = MotionScore::kUncertainty;
+  MotionSegmenter segmenter(params);
+  for (auto _ : state) benchmark::DoNotOptimize(segmenter.segment(input).threshold);
+}
+BENCHMARK(motionSegmenterByUncertainty)
+    ->Arg(1)
+    ->Arg(2)
+    ->ArgName("threads")
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
 BENCHMARK(literalReference)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
