@@ -144,9 +144,8 @@ RADAR_DOT_VECTORISED void spreadByMotion(const PassConstants& pass,
   const float x_by_u = 1.0F / fx, y_by_v = 1.0F / fy;
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const uncertainty_terms::PixelShift shift =
-        uncertainty_terms::byMotion(fx, fy, (block.u[k] - cx) * x_by_u, (block.v[k] - cy) * y_by_v,
-                                    1.0F / block.depth_there[k], motion);
+    const uncertainty_terms::PixelShift shift = uncertainty_terms::byMotion(
+        fx, fy, (block.u[k] - cx) * x_by_u, (block.v[k] - cy) * y_by_v, 1.0F / block.depth_there[k], motion);
     block.uu[k] += shift.u * shift.u;
     block.uv[k] += shift.u * shift.v;
     block.vv[k] += shift.v * shift.v;
@@ -161,9 +160,9 @@ RADAR_DOT_VECTORISED void distanceBlock(const PassConstants& pass, int row, int 
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const auto u = static_cast<float>(begin + i);
-    const float squared = uncertainty_terms::squaredDistance(
-        flows[2 * i] - (block.u[k] - u), flows[2 * i + 1] - (block.v[k] - v),
-        {block.uu[k], block.uv[k], block.vv[k]});
+    const float squared = uncertainty_terms::squaredDistance(flows[2 * i] - (block.u[k] - u),
+                                                             flows[2 * i + 1] - (block.v[k] - v),
+                                                             {block.uu[k], block.uv[k], block.vv[k]});
     const float depth_distance = block.depth_part[k] / (next_depth_std * block.depth_there[k]);
     scores[i] = std::sqrt(squared + depth_distance * depth_distance) + 0.0F * block.flow_part[k];
   }

@@ -193,6 +193,8 @@ MotionParams exactModel() {
   params.flow_std = 0.5;
   params.flow_std_relative = 0.02;
   params.depth_std = 0.05;
+  params.false_alarm = 1e-5;
+  params.seed = 1.0;
   params.opening = params.closing = 0;
   params.predicted_in_view = false;
   return params;
@@ -310,14 +312,15 @@ TEST(RadarEvidence, FarFootprintsAreAsWideAsTheBearingIsUncertain) {
   EXPECT_NEAR(static_cast<double>(wide) / narrow, 3.0, 0.3);
 }
 
-TEST(Hysteresis, SeedsGrowIntoWhatIsConnected) {
+TEST(Hysteresis, RegionsWithoutASeedDoNotCount) {
   MotionParams params = exactModel();
+  params.false_alarm = 0.05;
   MotionInput input = wall();
   move(input, {40, 40, 60, 20}, {0.0F, 1.7F});    // weak
   move(input, {40, 40, 10, 20}, {0.0F, 4.0F});    // with a strong end
   move(input, {200, 180, 60, 20}, {0.0F, 1.7F});  // weak only
-  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
-  params.growth = 0.5;
+  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 2400);
+  params.seed = 2.0;
   const cv::Mat mask = MotionSegmenter(params).segment(input).mask.clone();
   EXPECT_EQ(cv::countNonZero(mask), 1200);
   EXPECT_EQ(cv::countNonZero(mask(cv::Rect(40, 40, 60, 20))), 1200);
@@ -334,7 +337,7 @@ TEST(UncertaintyScore, ParametersThatMakeNoSenseAreRefused) {
   refused([](MotionParams& p) { p.depth_std = -0.1; }, "depth_std");
   refused([](MotionParams& p) { p.next_depth_std = 0.0; }, "next_depth_std");
   refused([](MotionParams& p) { p.false_alarm = 0.0; }, "false_alarm");
-  refused([](MotionParams& p) { p.growth = 0.0; }, "growth");
+  refused([](MotionParams& p) { p.seed = 0.5; }, "seed");
   refused([](MotionParams& p) { p.static_gain = -1.0; }, "static_gain");
   MotionInput input = wall();
   input.flow_closure = cv::Mat(4, 4, CV_32FC1);
