@@ -208,8 +208,10 @@ TEST_F(SegmentationFaults, ThePastTellsWhatTheFlowDoesNot) {
     }
     return ros::service::call("segmentation/set_parameters", call);
   };
+  // The right half: from there the flow back leads into the patch of the image before.
   cv::Rect hidden = VisionWorld::patch();
   hidden.width /= 2;
+  hidden.x += hidden.width;
   const auto hide = [hidden](Frame& frame) {
     cv::Mat flow(VisionWorld::kGridHeight, VisionWorld::kGridWidth, CV_32FC2, frame.flow.flow.data.data());
     flow(hidden).setTo(cv::Scalar::all(std::numeric_limits<double>::quiet_NaN()));
