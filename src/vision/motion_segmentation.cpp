@@ -42,6 +42,10 @@ void morphology(cv::Mat& mask, int operation, int size) {
   cv::morphologyEx(mask, mask, operation, cv::getStructuringElement(cv::MORPH_RECT, cv::Size(size, size)));
 }
 
+RADAR_DOT_VECTORISED void aboveRow(const float* scores, int columns, float threshold, std::uint8_t* above) {
+  for (int i = 0; i < columns; ++i) above[i] = scores[i] > threshold ? 255 : 0;
+}
+
 RADAR_DOT_VECTORISED void thresholdRow(const float* scores, int columns, float threshold, std::uint8_t* mask,
                                        std::uint8_t* valid) {
   for (int i = 0; i < columns; ++i) {
@@ -125,7 +129,7 @@ void validate(const MotionParams& params) {
 
 struct MotionSegmenter::Workspace {
   MotionResult result;
-  cv::Mat footprints, score_before;
+  cv::Mat footprints, score_before, seeds;
   Histograms histograms;
   FloatHistogram sum;
   tbb::enumerable_thread_specific<std::vector<float>> local_candidates;
@@ -264,23 +268,27 @@ double MotionSegmenter::Workspace::paperThreshold(const MotionParams& params) {
 
 /// Removes the regions of the mask without a part above `high` that stands the opening.
 void MotionSegmenter::Workspace::keepSeeded(float high, int opening) {
-  cv::Mat seeds = result.score > high;
+  seeds.create(result.score.size(), CV_8UC1);
+  parallelRows(seeds.rows, [&](int row) {
+    aboveRow(result.score.ptr<float>(row), seeds.cols, high, seeds.ptr<std::uint8_t>(row));
+  });
   morphology(seeds, cv::MORPH_OPEN, opening);
-  cv::Mat labels;
-  const int count = cv::connectedComponents(result.mask, labels, 8, CV_32S);
-  std::vector<std::uint8_t> holds_seed(static_cast<std::size_t>(count), 0);
-  for (int row = 0; row < labels.rows; ++row) {
-    const int* label = labels.ptr<int>(row);
-    const std::uint8_t* seed = seeds.ptr<std::uint8_t>(row);
-    for (int column = 0; column < labels.cols; ++column)
-      if (seed[column] != 0) holds_seed[static_cast<std::size_t>(label[column])] = 255;
+  // What is opened at a higher level is part of what is opened at a lower one: every seed lies in the mask.
+  constexpr std::uint8_t kCandidate = 255;
+  constexpr std::uint8_t kKept = 128;
+  constexpr int kNeighbours = 8;
+  for (int row = 0; row < seeds.rows; ++row) {
+    const auto* seed = seeds.ptr<std::uint8_t>(row);
+    const auto* mask = result.mask.ptr<std::uint8_t>(row);
+    for (int column = 0; column < seeds.cols; ++column) {
+      if (seed[column] != 0 && mask[column] == kCandidate)
+        cv::floodFill(result.mask, {column, row}, cv::Scalar(kKept), nullptr, {}, {}, kNeighbours);
+    }
   }
-  holds_seed[0] = 0;  // the background
-  parallelRows(labels.rows, [&](int row) {
-    const int* label = labels.ptr<int>(row);
+  parallelRows(result.mask.rows, [&](int row) {
     std::uint8_t* mask = result.mask.ptr<std::uint8_t>(row);
-    for (int column = 0; column < labels.cols; ++column)
-      mask[column] = holds_seed[static_cast<std::size_t>(label[column])];
+    for (int column = 0; column < result.mask.cols; ++column)
+      mask[column] = mask[column] == kKept ? kCandidate : 0;
   });
 }
 
