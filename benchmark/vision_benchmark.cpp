@@ -47,7 +47,7 @@ MotionInput street() {
 /// Something a tenth as wide as the image, whose flow no error of depth explains.
 void addMover(MotionInput& input) {
   for (int v = 480; v < 560; ++v)
-    for (int u = 300; u < 460; ++u) input.flow.at<cv::Vec2f>(v, u) += cv::Vec2f(0.0F, 60.0F);
+    for (int u = 300; u < 460; ++u) input.flow.at<cv::Vec2f>(v, u) += cv::Vec2f(0.0F, 120.0F);
 }
 
 void motionSegmenter(benchmark::State& state) {
