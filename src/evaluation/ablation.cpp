@@ -80,11 +80,17 @@ std::vector<AblationStep> ablationSteps(const SegmentationEvaluationOptions& opt
   return steps;
 }
 
+SegmentationEvaluationOptions bestOptions(const SegmentationEvaluationOptions& options) {
+  SegmentationEvaluationOptions best = ablationSteps(options).back().options;
+  best.mask_directory = options.mask_directory;
+  return best;
+}
+
 std::string formatAblationTable(const std::vector<AblationResult>& results) {
   if (results.empty()) return {};
   std::string table = fmt::format("{:<18}", "IoU");
   for (const SegmentationReport& scene : results.front().scenes) table += fmt::format("{:>12}", scene.scene);
-  for (const char* name : {"Overall", "Precision", "Recall", "F1", "mask ms"})
+  for (const char* name : {"Overall", "Precision", "Recall", "F1", "FP %", "mask ms"})
     table += fmt::format("{:>10}", name);
   table += "\n";
   for (const AblationResult& result : results) {
@@ -95,6 +101,7 @@ std::string formatAblationTable(const std::vector<AblationResult>& results) {
     for (const double value :
          {overall.iou(), overall.pixels.precision(), overall.pixels.recall(), overall.pixels.f1()})
       table += fmt::format("{:>10}", figure(value, 3));
+    table += fmt::format("{:>10}", figure(1e2 * overall.falsePositiveShare(), 2));
     table += fmt::format("{:>10}\n", figure(1e3 * overall.seconds / static_cast<double>(overall.frames), 1));
   }
   return table;

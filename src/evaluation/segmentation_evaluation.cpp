@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "creeping_actors.h"
+#include "estimated_sweeps.h"
 #include "mask_feedback.h"
 #include "radar_dot/vision/motion_history.h"
 #include "radar_dot/vision/rigid_motion.h"
@@ -98,6 +99,7 @@ std::vector<RadarScan> SceneRunner::scansAt(double time) {
     if (const std::optional<std::size_t> nearest = nearestScan(radar, time, kSensorReach))
       scans.push_back(radar.scan(*nearest));
   }
+  if (latest_velocity_) turnBearings(scans, options_.bearing_delay, latest_velocity_->angular.z());
   if (latest_mask_ && latest_velocity_)
     feedback_.mark(
         scans, [this](double) { return &*latest_mask_; }, *latest_velocity_);

@@ -35,7 +35,7 @@ struct Arguments {
   std::vector<std::string> scenes, merge;
   int jobs = 1;
   bool compare_loop = false;
-  bool ablation = false;
+  bool ablation = false, best = false;
   std::string initialisation;
   radar_dot::tools::ResultFiles files;
   SegmentationEvaluationOptions options;
@@ -65,6 +65,11 @@ void declareInputs(CLI::App& app, Arguments& arguments) {
   radar_dot::tools::declareGrid(app, options.working_width);
   app.add_option("--doppler-scale", options.extraction.doppler_scale, "Factor on every Doppler velocity")
       ->check(CLI::Range(-10.0, 10.0))
+      ->capture_default_str();
+  app.add_option(
+         "--bearing-delay", options.bearing_delay,
+         "s, by which the bearings of returns are later than their velocities; 0 for simulated scenes")
+      ->check(CLI::Range(-1.0, 1.0))
       ->capture_default_str();
   app.add_option(
          "--min-true-residual", options.min_true_residual,
@@ -132,6 +137,10 @@ void declareLoop(CLI::App& app, Arguments& arguments) {
 }
 
 void declareAblation(CLI::App& app, Arguments& arguments) {
+  app.add_flag("--best", arguments.best,
+               "All that --ablation adds: --score uncertainty --forward-backward --refine --look-back "
+               "--memory 0.4")
+      ->excludes("--ablation");
   app.add_flag("--ablation", arguments.ablation,
                "From the paper's masks to the best, step by step: the score by uncertainty, refined motion, "
                "radar evidence, the pair before, memory; one table, and in --json")
@@ -241,6 +250,7 @@ int main(int argc, char** argv) {
   CLI::App app("Scores dynamic masks against nuInsSeg on a nuScenes dataroot, as the paper's Table I.");
   Arguments arguments;
   arguments.options.extraction.doppler_scale = radar_dot::evaluation::kNuscenesDopplerScale;
+  arguments.options.bearing_delay = radar_dot::evaluation::kNuscenesBearingDelay;
   declareInputs(app, arguments);
   declareMethod(app, arguments);
   declareLoop(app, arguments);
@@ -254,6 +264,7 @@ int main(int argc, char** argv) {
     if (arguments.initialisation.empty())
       arguments.initialisation = arguments.options.flow == "dis" ? "expected" : "none";
     arguments.options.optical_flow.initialisation = arguments.initialisation;
+    if (arguments.best) arguments.options = radar_dot::evaluation::bestOptions(arguments.options);
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {

@@ -41,9 +41,9 @@ TEST(Ablation, EveryStepAddsOneThing) {
   options.mask_directory = "masks";
   options.motion.radar_gain = 3.0;
   options.motion.static_gain = 0.5;
-  options.refine = true;
+  options.refine = options.look_back = true;
   const std::vector<AblationStep> steps = ablationSteps(options);
-  ASSERT_EQ(steps.size(), 4U);
+  ASSERT_EQ(steps.size(), 6U);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const SegmentationEvaluationOptions& step = steps[i].options;
     EXPECT_EQ(step.channel, "CAM_BACK");
@@ -51,20 +51,30 @@ TEST(Ablation, EveryStepAddsOneThing) {
     EXPECT_EQ(step.motion.score == MotionScore::kUncertainty, i >= 1) << steps[i].name;
     EXPECT_EQ(step.optical_flow.forward_backward, i >= 1) << steps[i].name;
     EXPECT_EQ(step.refine, i >= 2) << steps[i].name;
+    EXPECT_EQ(step.look_back, i >= 4) << steps[i].name;
+    EXPECT_EQ(step.memory, i >= 5 ? kMemory : 0.0) << steps[i].name;
     EXPECT_EQ(step.motion.radar_gain, i >= 3 ? 3.0 : 0.0) << steps[i].name;
     EXPECT_EQ(step.motion.static_gain, i >= 3 ? 0.5 : 0.0) << steps[i].name;
   }
+  const SegmentationEvaluationOptions best = bestOptions(options);
+  EXPECT_EQ(best.memory, kMemory);
+  EXPECT_EQ(best.mask_directory, "masks");
+  options.memory = 0.2;
+  EXPECT_EQ(ablationSteps(options).back().options.memory, 0.2);
+  options.flow = "ground_truth";  // has no flow back
+  ASSERT_EQ(ablationSteps(options).size(), 4U);
   options.motion.radar_gain = 0.0;
   EXPECT_EQ(ablationSteps(options).back().options.motion.radar_gain, MotionParams{}.radar_gain);
 }
 
 TEST(Ablation, TheTableHasScenesAsColumns) {
   const std::string table = formatAblationTable(results({report("scene-0001", 30, 60), report("b", 10, 20)}));
-  EXPECT_NE(table.find("  scene-0001           b   Overall Precision    Recall        F1   mask ms\n"),
-            std::string::npos)
+  EXPECT_NE(
+      table.find("  scene-0001           b   Overall Precision    Recall        F1      FP %   mask ms\n"),
+      std::string::npos)
       << table;
   EXPECT_NE(table.find("\npaper                    0.300       0.250     0.286     0.333     0.667     0.444"
-                       "      10.0\n"),
+                       "     28.57      10.0\n"),
             std::string::npos)
       << table;
 }

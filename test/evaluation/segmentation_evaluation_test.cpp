@@ -11,6 +11,7 @@
 
 #include "evaluation/simulated_dataroot.h"
 #include "fixtures/refusal.h"
+#include "radar_dot/evaluation/ablation.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -94,6 +95,63 @@ TEST_F(SegmentationEvaluation, RadarDisAndNoisyDepthFindMovers) {
   const SegmentationReport report = evaluate(options);
   EXPECT_EQ(report.without_motion, 0U);
   EXPECT_GT(report.iou(), 0.05);
+}
+
+// Keyframes are half a second apart: half of what moves leaves the view until the next, or is lost by the
+// flow.
+TEST_F(SegmentationEvaluation, LookingBackFindsMoreMovers) {
+  SegmentationEvaluationOptions options;
+  options.depth = "noisy";
+  options.working_width = 400;
+  options.optical_flow.forward_backward = true;
+  options.optical_flow.initialisation = "expected";
+  options.motion.score = MotionScore::kUncertainty;
+  options.refine = true;
+  const SegmentationReport plain = evaluate(options);
+  options.look_back = true;
+  const SegmentationReport back = evaluate(options);
+  EXPECT_GT(back.iou(), 1.1 * plain.iou());
+  EXPECT_GT(back.pixels.true_positives, plain.pixels.true_positives);
+  // Of the first image of a scene there is no past, and with it alone nothing changes.
+  options.max_pairs = 1;
+  const std::size_t first = evaluate(options).pixels.true_positives;
+  options.look_back = false;
+  EXPECT_EQ(evaluate(options).pixels.true_positives, first);
+  options.max_pairs = 0;
+  options.memory = 0.4;
+  EXPECT_NE(evaluate(options).pixels.true_positives, plain.pixels.true_positives);
+  // With pairs of neighbouring images the one before a pair is no part of another.
+  options = {};
+  options.depth = "noisy";
+  options.pairs = "next";
+  options.working_width = 320;
+  options.optical_flow.forward_backward = true;
+  options.motion.score = MotionScore::kUncertainty;
+  const std::size_t once = evaluate(options).pixels.true_positives;
+  options.look_back = true;
+  EXPECT_NE(evaluate(options).pixels.true_positives, once);
+}
+
+TEST_F(SegmentationEvaluation, ThePastNeedsAFlowBackAndTheScoreByUncertainty) {
+  SegmentationEvaluationOptions options;
+  options.look_back = true;
+  options.motion.score = MotionScore::kUncertainty;
+  test::expectRefusal<std::invalid_argument>([&] { evaluate(options); }, {"forward_backward"});
+  options.flow = "ground_truth";
+  test::expectRefusal<std::invalid_argument>([&] { evaluate(options); }, {"ground_truth"});
+  options.look_back = false;
+  options.memory = -1.0;
+  test::expectRefusal<std::invalid_argument>([&] { evaluate(options); }, {"memory", "-1"});
+}
+
+TEST_F(SegmentationEvaluation, TheBestMasksAreEmptyWhereNothingMoves) {
+  SegmentationEvaluationOptions options;
+  options.depth = "noisy";
+  options.optical_flow.initialisation = "expected";
+  options = bestOptions(options);
+  const SegmentationReport report = evaluate(options, 1);
+  EXPECT_GT(report.frames, 0U);
+  EXPECT_LE(report.falsePositiveShare(), 0.003);
 }
 
 TEST_F(SegmentationEvaluation, WrongMotionFillsThePicture) {

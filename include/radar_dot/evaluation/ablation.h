@@ -32,8 +32,11 @@ inline constexpr double kMemory = 0.4;
 /// none.
 std::vector<AblationStep> ablationSteps(const SegmentationEvaluationOptions& options);
 
-/// Plain-text table: a line for each step; IoU of every scene and overall, precision, recall, F1 and ms per
-/// mask overall.
+/// Those of the last step, but masks are saved where `options` say so.
+SegmentationEvaluationOptions bestOptions(const SegmentationEvaluationOptions& options);
+
+/// Plain-text table: a line for each step; IoU of every scene and overall, precision, recall, F1, share of
+/// what does not move that is in the mask, and ms per mask overall.
 std::string formatAblationTable(const std::vector<AblationResult>& results);
 /// formatJson of the scenes with a further member "ablation": [{"name", "scenes": [...], "overall": {...}}].
 std::string formatJson(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall,

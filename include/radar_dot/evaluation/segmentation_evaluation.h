@@ -46,6 +46,8 @@ struct SegmentationEvaluationOptions {
   /// with it, and all for the others.
   std::vector<std::string> depth_radar_channels;
   ExtractionParams extraction;
+  /// s, by which the bearings of returns are later than their velocities, as in EgoVelocityEvaluationOptions.
+  double bearing_delay = 0.0;
   EgoVelocityParams estimator;
   OpticalFlowParams optical_flow;
   DepthParams depth_params;
