@@ -41,6 +41,8 @@ class LabelledScans {
   /// The scans that are complete, in the order of their stamps, up to the first that still waits. One that
   /// has waited longer than `patience` (s, wall time) goes as it is.
   std::vector<LabelledScan> take(double patience);
+  /// True when no scan waits: a sweep is complete.
+  bool empty() const noexcept { return waiting_.empty(); }
   void clear();
 
  private:

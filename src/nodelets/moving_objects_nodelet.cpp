@@ -15,6 +15,7 @@ namespace radar_dot {
 namespace {
 
 constexpr double kWaitingPeriod = 0.05;  // s, how often waiting scans and masks are looked at
+constexpr double kMaxSilence = 0.15;     // s of scans without a message
 constexpr double kStartPatience = 1.0;   // s, until odometry and velocity are there at the start
 constexpr std::uint32_t kOdometryQueue = 20;
 // The camera's number among the radars of the tracker.
@@ -137,7 +138,7 @@ void MovingObjectsNodelet::forgetThePast() {
   motion_->forget();
   poses_.clear();
   tracker_.reset();
-  published_ = ros::Time();
+  newest_ = published_ = ros::Time();
   objects_ = 0;
   deleteMarkers();
 }
@@ -205,7 +206,6 @@ std::optional<Eigen::Isometry3d> MovingObjectsNodelet::poseAt(const ros::Time& t
 void MovingObjectsNodelet::processWaiting() {
   const ros::WallTime start = ros::WallTime::now();
   const std::vector<LabelledScan> ready = scans_.take(config_.pairing_timeout);
-  ros::Time newest;
   for (const LabelledScan& scan : ready) {
     std::string reason;
     try {
@@ -218,17 +218,18 @@ void MovingObjectsNodelet::processWaiting() {
       continue;
     }
     ++scans_since_report_;
-    newest = std::max(newest, scan.stamp);
+    newest_ = std::max(newest_, scan.stamp);
     if (scan.complete()) continue;
     ++incomplete_since_report_;
     warn("half", "nothing on '" + (scan.still ? dynamic_input_ : static_input_)->topic() +
                      "' with frame and stamp of the cloud on '" +
                      (scan.still ? static_input_ : dynamic_input_)->topic() + "'; used alone");
   }
-  // One message for the scans of a sweep, once all are in.
-  if (newest <= published_) return;
-  computation_time_ = (ros::WallTime::now() - start).toSec();
-  publish(newest);
+  if (!ready.empty()) computation_time_ = (ros::WallTime::now() - start).toSec();
+  // One message for the scans of a sweep, once all are in; a scan that lacks a cloud must not hold up all
+  // others.
+  const double ahead = newest_.toSec() - published_.toSec();
+  if (ahead > 0.0 && (scans_.empty() || ahead > kMaxSilence)) publish(newest_);
 }
 
 bool MovingObjectsNodelet::useScan(const LabelledScan& scan, std::string& reason) {

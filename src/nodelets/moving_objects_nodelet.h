@@ -60,6 +60,7 @@ class MovingObjectsNodelet : public StreamNodelet {
   PoseBuffer poses_;
   std::string odom_frame_;  // of the poses
   ObjectTracker tracker_;
+  ros::Time newest_;     // stamp of the newest scan that was used
   ros::Time published_;  // stamp of the latest message
   ObjectMarkers markers_;
 
