@@ -139,6 +139,7 @@ void MovingObjectsNodelet::forgetThePast() {
   poses_.clear();
   tracker_.reset();
   newest_ = published_ = ros::Time();
+  first_scan_ = ros::WallTime();
   objects_ = 0;
   deleteMarkers();
 }
@@ -150,14 +151,17 @@ void MovingObjectsNodelet::deleteMarkers() {
 }
 
 void MovingObjectsNodelet::drop(const std::string& reason) {
+  // The first scans come before odometry and velocity.
+  if ((ros::WallTime::now() - first_scan_).toSec() < kStartPatience) return;
   ++dropped_;
   ++dropped_since_report_;
   drop_reason_ = reason;
-  if ((ros::WallTime::now() - connected_since_).toSec() > kStartPatience) warn("dropped", reason);
+  warn("dropped", reason);
 }
 
 void MovingObjectsNodelet::onCloud(const sensor_msgs::PointCloud2& cloud, ReturnLabel label) {
   scans_.add(cloud, label);
+  if (first_scan_.isZero()) first_scan_ = ros::WallTime::now();
   processWaiting();
 }
 

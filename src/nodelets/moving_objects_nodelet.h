@@ -79,7 +79,7 @@ class MovingObjectsNodelet : public StreamNodelet {
   std::size_t scans_since_report_ = 0, masks_since_report_ = 0, dropped_since_report_ = 0,
               incomplete_since_report_ = 0;
   std::string drop_reason_;
-  ros::WallTime connected_since_;
+  ros::WallTime connected_since_, first_scan_;
 };
 
 }  // namespace radar_dot
