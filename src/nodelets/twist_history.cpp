@@ -76,8 +76,7 @@ std::optional<StampedVelocity> TwistHistory::mean(double begin, double end, doub
     return std::nullopt;
   }
   if (velocities_.front().time - begin > max_hold) {
-    missing =
-        "the first velocity is " + seconds(velocities_.front().time - begin) + " after the stamp";
+    missing = "the first velocity is " + seconds(velocities_.front().time - begin) + " after the stamp";
     return std::nullopt;
   }
   // The trapezoidal rule is exact on what is linear between these times.

@@ -16,6 +16,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "live_graph.h"
 #include "live_mask.h"
@@ -114,6 +115,13 @@ class MovingObjectsTest : public ::testing::Test {
     return Eigen::Translation3d(p.x, p.y, p.z) * Eigen::Quaterniond(q.w, q.x, q.y, q.z);
   }
 
+  std::vector<MovingObject> latestObjects() const {
+    const auto messages = objects_.messages();
+    if (!messages.empty()) return messages.back()->objects;
+    ADD_FAILURE() << "no message of objects";
+    return {};
+  }
+
   std::set<std::string> namespacesOf(int action, std::int32_t id) const {
     std::set<std::string> names;
     for (const auto& array : markers_.messages())
@@ -160,7 +168,7 @@ TEST_F(MovingObjectsTest, ACrossingCarHasItsPositionAndVelocityAndOneId) {
   drive(3.5);
   const std::uint64_t id = expectCar(objects_, begin + 1.0);
   expectCar(in_base_, begin + 1.0);
-  const auto last = objects_.messages().back()->objects;
+  const auto last = latestObjects();
   ASSERT_EQ(last.size(), 1U);
   EXPECT_NEAR(secondsOf(last[0].first_seen), begin, 0.3);
   EXPECT_GT(last[0].detections, 50U);
@@ -174,7 +182,7 @@ TEST_F(MovingObjectsTest, ACrossingCarHasItsPositionAndVelocityAndOneId) {
   EXPECT_TRUE(namespacesOf(Marker::DELETE, marker_id).empty());
   scene_->car.reset();
   drive(1.5);
-  EXPECT_TRUE(objects_.messages().back()->objects.empty());
+  EXPECT_TRUE(latestObjects().empty());
   EXPECT_EQ(namespacesOf(Marker::DELETE, marker_id), all);
   EXPECT_TRUE(
       waitUntil([this] { return diagnostics_.seen("moving_objects: objects", DiagnosticStatus::OK); }, 3.0));
@@ -307,7 +315,7 @@ TEST_F(MovingObjectsTest, RegionsOfMasksTellWhereObjectsAreInTheImage) {
   const double begin = time_;
   drive(2.5);
   expectCar(objects_, begin + 1.0);
-  const auto objects = objects_.messages().back()->objects;
+  const auto objects = latestObjects();
   ASSERT_EQ(objects.size(), 1U);
   EXPECT_NEAR(objects[0].box_x, mask.box.x, 12.0) << "the latest mask, or the one before";
   EXPECT_NEAR(objects[0].box_y, mask.box.y, 2.0);
@@ -328,10 +336,10 @@ TEST_F(MovingObjectsTest, RegionsOfMasksTellWhereObjectsAreInTheImage) {
   scene_->car.reset();
   scene_->before_scan = only_mask;
   drive(1.3);
-  EXPECT_TRUE(objects_.messages().back()->objects.empty());
+  EXPECT_TRUE(latestObjects().empty());
   reconfigure("mask_starts_tracks", true);
   drive(0.7);
-  const auto alone = objects_.messages().back()->objects;
+  const auto alone = latestObjects();
   EXPECT_EQ(alone.size(), 1U);
   if (!alone.empty()) {
     EXPECT_EQ(alone[0].return_count, 0U);

@@ -58,7 +58,7 @@ struct ObjectTrack {
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  ///< of `state`
   std::size_t hits = 0;                                      ///< detections so far
   bool confirmed = false;
-  std::size_t return_count = 0;                              ///< of the latest detection with returns
+  std::size_t return_count = 0;  ///< of the latest detection with returns
   /// s, of the latest detection with an image; minus infinity: there was none. Box and count are of it.
   double last_image = -std::numeric_limits<double>::infinity();
   std::size_t pixel_count = 0;
@@ -107,7 +107,8 @@ class ObjectTracker {
   std::vector<ObjectTrack> all() const;
 
   void reset();  ///< forgets all tracks; ids go on
-  /// Goes on with other parameters; tracks stay. @throws std::invalid_argument see validate, without any change
+  /// Goes on with other parameters; tracks stay. @throws std::invalid_argument see validate, without any
+  /// change
   void configure(const ObjectTrackerParams& params);
   const ObjectTrackerParams& params() const noexcept { return params_; }
 
