@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "scene_images.h"
 #include "segmentation_fields.h"
 
 namespace radar_dot::evaluation {
@@ -60,7 +61,8 @@ std::vector<AblationStep> ablationSteps(const SegmentationEvaluationOptions& opt
   step.mask_directory.clear();
   step.motion.score = MotionScore::kPaper;
   step.motion.radar_gain = step.motion.static_gain = 0.0;
-  step.refine = false;
+  step.refine = step.look_back = false;
+  step.memory = 0.0;
   std::vector<AblationStep> steps = {{"paper", step}};
   step.motion.score = MotionScore::kUncertainty;
   step.optical_flow.forward_backward = true;
@@ -70,6 +72,11 @@ std::vector<AblationStep> ablationSteps(const SegmentationEvaluationOptions& opt
   step.motion.radar_gain = options.motion.radar_gain > 0.0 ? options.motion.radar_gain : defaults.radar_gain;
   step.motion.static_gain = options.motion.static_gain;
   steps.push_back({"+ radar evidence", step});
+  if (!isEstimatedFlow(options.flow)) return steps;  // the truth and files know no flow back
+  step.look_back = true;
+  steps.push_back({"+ look back", step});
+  step.memory = options.memory > 0.0 ? options.memory : kMemory;
+  steps.push_back({"+ memory", step});
   return steps;
 }
 

@@ -22,6 +22,12 @@ DepthSource depthSourceOf(const SegmentationEvaluationOptions& options) {
           options.depth_params, options.depth_radar_channels, false};
 }
 
+/// A dataroot may hold a part of the images.
+bool isOnDisk(const dataset::Tables& tables, const ImagePair& pair) {
+  return fs::exists(tables.path(tables.sample_data[at(pair.first)])) &&
+         fs::exists(tables.path(tables.sample_data[at(pair.second)]));
+}
+
 }  // namespace
 
 std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const std::string& channel,
@@ -31,18 +37,17 @@ std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const
   const std::vector<Index> readings = tables.readingsOf(scene, channel);
   const std::string& name = tables.scenes[at(scene)].name;
   if (readings.empty()) throw DatasetError(fmt::format("{}: no readings of {}", name, channel));
+  const auto is_key_frame = [&](std::size_t i) { return tables.sample_data[at(readings[i])].is_key_frame; };
   std::vector<ImagePair> found;
   for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
-    if (!tables.sample_data[at(readings[i])].is_key_frame) continue;
+    if (!is_key_frame(i)) continue;
     std::size_t next = i + 1;
     if (pairs == "keyframes") {
-      while (next < readings.size() && !tables.sample_data[at(readings[next])].is_key_frame) ++next;
+      while (next < readings.size() && !is_key_frame(next)) ++next;
       if (next == readings.size()) break;
     }
-    // A dataroot may hold a part of the images.
-    if (fs::exists(tables.path(tables.sample_data[at(readings[i])])) &&
-        fs::exists(tables.path(tables.sample_data[at(readings[next])])))
-      found.push_back({readings[i], readings[next]});
+    const ImagePair pair{readings[i], readings[next]};
+    if (isOnDisk(tables, pair)) found.push_back(pair);
   }
   if (found.empty()) {
     throw NoImages(
@@ -50,6 +55,17 @@ std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const
   }
   if (max_pairs > 0 && found.size() > max_pairs) found.resize(max_pairs);
   return found;
+}
+
+std::optional<ImagePair> pairBefore(const dataset::Tables& tables, const ImagePair& pair,
+                                    const std::string& pairs) {
+  for (Index row = tables.sample_data[at(pair.first)].previous; row != dataset::kNone;
+       row = tables.sample_data[at(row)].previous) {
+    if (pairs == "keyframes" && !tables.sample_data[at(row)].is_key_frame) continue;
+    const ImagePair before{row, pair.first};
+    return isOnDisk(tables, before) ? std::optional(before) : std::nullopt;
+  }
+  return std::nullopt;
 }
 
 bool isEstimatedFlow(const std::string& flow) { return flow != "ground_truth" && flow != "files"; }
@@ -112,6 +128,7 @@ FlowField SceneImages::flowOf(const ImagePair& pair, const MotionInput& input) {
   if (!field.valid.empty()) field.valid = resizeNearest(field.valid, size);
   if (!field.closure.empty())
     field.closure = resizeNearest(field.closure, size) * (static_cast<double>(size.width) / field.flow.cols);
+  if (!field.backward.empty()) field.backward = resizeFlow(field.backward, size);
   field.flow = resizeFlow(field.flow, size);
   return field;
 }

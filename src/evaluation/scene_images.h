@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,11 @@ struct ImagePair {
 ///         std::invalid_argument for other `pairs`.
 std::vector<ImagePair> pairsOf(const dataset::Tables& tables, dataset::Index scene,
                                const std::string& channel, const std::string& pairs, std::size_t max_pairs);
+
+/// The pair by the same rule that ends with the first image of a pair; none at the begin of a scene, or where
+/// its first image is not on disk.
+std::optional<ImagePair> pairBefore(const dataset::Tables& tables, const ImagePair& pair,
+                                    const std::string& pairs);
 
 /// Flow of a backend, not of the truth or of files.
 bool isEstimatedFlow(const std::string& flow);

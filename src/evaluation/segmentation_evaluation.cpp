@@ -16,6 +16,7 @@
 
 #include "creeping_actors.h"
 #include "mask_feedback.h"
+#include "radar_dot/vision/motion_history.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "radar_scene.h"
 #include "scene_images.h"
@@ -36,7 +37,8 @@ constexpr std::uint8_t kIgnored = 255;
 class SceneRunner {
  public:
   SceneRunner(const Tables& tables, Index scene, const SegmentationEvaluationOptions& options)
-      : options_(options),
+      : tables_(tables),
+        options_(options),
         radar_(loadRadarScene(tables, scene, options.radar_channels, options.extraction)),
         images_(tables, radar_, options),
         estimator_(options.estimator),
@@ -53,13 +55,28 @@ class SceneRunner {
     // m, base frame, nearest to the begin
     std::vector<Eigen::Vector3f> dynamic_points, static_points;
   };
+  /// All that a mask needs of a pair.
+  struct Prepared {
+    ImagePair pair;
+    MotionInput input;
+    FlowField backward;  // with look_back or memory
+    double seconds = 0.0;
+  };
   std::vector<RadarScan> scansAt(double time);
   std::optional<Velocity> velocityOf(double begin, double end);
   std::optional<Eigen::Isometry3d> motionOf(const ImagePair& pair, MotionInput& input, Mean& velocity_error);
   void refine(const ImagePair& pair, MotionInput& input);
+  std::optional<Prepared> prepare(const ImagePair& pair, Mean& velocity_error);
+  std::optional<MotionInput> lookBack(const Prepared& prepared);
+  cv::Mat segment(Prepared& prepared);
+  bool usesTheFlowBack() const { return options_.look_back || options_.memory > 0.0; }
+  double secondsBetween(const ImagePair& pair) const {
+    return secondsOf(images_.reading(pair.second)) - secondsOf(images_.reading(pair.first));
+  }
   void remember(const ImagePair& pair, const cv::Mat& mask, const CameraIntrinsics& grid);
   cv::Mat ignoredOf(const ImagePair& pair, const CameraIntrinsics& grid, double pixel_scale);
 
+  const Tables& tables_;
   const SegmentationEvaluationOptions& options_;
   RadarScene radar_;
   SceneImages images_;
@@ -69,6 +86,8 @@ class SceneRunner {
   MaskFeedback feedback_;
   std::optional<StampedMask> latest_mask_;
   std::optional<StampedVelocity> latest_velocity_;
+  std::optional<Prepared> latest_;  // with the flow back
+  cv::Mat latest_log_odds_;         // at its first image
 };
 
 /// The scans nearest to a time, and what the latest mask says of them. Pairs come in time order, so that it
@@ -211,43 +230,90 @@ void count(const cv::Mat& mask, const cv::Mat& truth, const cv::Mat& ignored, co
   }
 }
 
-void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, SegmentationReport& report) {
+/// None where the velocity is not known.
+std::optional<SceneRunner::Prepared> SceneRunner::prepare(const ImagePair& pair, Mean& velocity_error) {
   images_.begin(pair);
-  MotionInput input;
+  Prepared prepared{pair, {}, {}, 0.0};
+  MotionInput& input = prepared.input;
   input.camera = images_.gridOf(pair.first);
   input.pixel_scale = static_cast<double>(images_.reading(pair.first).width) / input.camera.width;
-  const std::optional<Eigen::Isometry3d> motion = motionOf(pair, input, report.velocity_error);
+  const std::optional<Eigen::Isometry3d> motion = motionOf(pair, input, velocity_error);
+  if (!motion) return std::nullopt;
+  const Eigen::Isometry3d& T_base_from_camera = images_.mountOf(images_.reading(pair.first));
+  input.T_current_from_previous = staticPointMotion(T_base_from_camera, *motion);
+  input.depth = images_.depthOf(pair.first);
+  input.next_depth = images_.depthOf(pair.second);
+  const FlowField field = images_.flowOf(pair, input);
+  input.flow = field.flow;
+  const bool by_uncertainty = options_.motion.score == MotionScore::kUncertainty;
+  // The gap between flow there and back is noise to this score, and no reason to leave a pixel out.
+  if (by_uncertainty && !field.closure.empty()) {
+    input.flow_closure = field.closure;
+  } else {
+    input.flow_valid = field.valid;
+  }
+  if (usesTheFlowBack()) prepared.backward = backwardField(field, options_.optical_flow);
+  const auto start = std::chrono::steady_clock::now();
+  if (by_uncertainty || options_.refine) {
+    input.motion_covariance = cameraCovariance(
+        T_base_from_camera, baseMotionCovariance(options_.motion_uncertainty, secondsBetween(pair)));
+  }
+  if (options_.refine) refine(pair, input);
+  prepared.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return prepared;
+}
+
+/// The first image of the pair, seen together with the image before it; none where there is none.
+std::optional<MotionInput> SceneRunner::lookBack(const Prepared& prepared) {
+  const std::optional<ImagePair> before = pairBefore(tables_, prepared.pair, options_.pairs);
+  if (!before) return std::nullopt;
+  if (!latest_ || latest_->pair.first != before->first || latest_->pair.second != before->second) {
+    Mean not_counted;
+    latest_ = prepare(*before, not_counted);
+    latest_log_odds_.release();
+    images_.begin(prepared.pair);
+  }
+  if (!latest_) return std::nullopt;
+  MotionInput seen = seenFromSecond(latest_->input, latest_->backward.flow, latest_->backward.closure);
+  seen.depth = prepared.input.depth;
+  seen.dynamic_points = prepared.input.dynamic_points;
+  seen.static_points = prepared.input.static_points;
+  return seen;
+}
+
+cv::Mat SceneRunner::segment(Prepared& prepared) {
+  std::optional<MotionInput> before;
+  if (options_.look_back) before = lookBack(prepared);
+  const auto start = std::chrono::steady_clock::now();
+  if (options_.memory > 0.0 && latest_ && latest_->pair.second == prepared.pair.first &&
+      !latest_log_odds_.empty()) {
+    const double share = forgetting(secondsBetween(latest_->pair), options_.memory);
+    prepared.input.belief = carriedBelief(latest_log_odds_, latest_->backward.flow, share);
+  }
+  const MotionResult& result = segmenter_.segment(prepared.input, before ? &*before : nullptr);
+  if (options_.memory > 0.0) latest_log_odds_ = logOdds(result);
+  prepared.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result.mask.clone();
+}
+
+void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, SegmentationReport& report) {
+  std::optional<Prepared> prepared = prepare(pair, report.velocity_error);
+  const CameraIntrinsics grid = images_.gridOf(pair.first);
   ++report.frames;
-  cv::Mat mask = cv::Mat::zeros(input.camera.height, input.camera.width, CV_8UC1);
-  if (motion) {
-    input.T_current_from_previous = staticPointMotion(images_.mountOf(images_.reading(pair.first)), *motion);
-    input.depth = images_.depthOf(pair.first);
-    input.next_depth = images_.depthOf(pair.second);
-    const FlowField field = images_.flowOf(pair, input);
-    input.flow = field.flow;
-    const bool by_uncertainty = options_.motion.score == MotionScore::kUncertainty;
-    // The gap between flow there and back is noise to this score, and no reason to leave a pixel out.
-    if (by_uncertainty && !field.closure.empty()) {
-      input.flow_closure = field.closure;
-    } else {
-      input.flow_valid = field.valid;
-    }
-    const auto start = std::chrono::steady_clock::now();
-    if (by_uncertainty || options_.refine) {
-      const double dt = secondsOf(images_.reading(pair.second)) - secondsOf(images_.reading(pair.first));
-      input.motion_covariance = cameraCovariance(images_.mountOf(images_.reading(pair.first)),
-                                                 baseMotionCovariance(options_.motion_uncertainty, dt));
-    }
-    if (options_.refine) refine(pair, input);
-    mask = segmenter_.segment(input).mask.clone();
-    report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    remember(pair, mask, input.camera);
+  cv::Mat mask;
+  if (prepared) {
+    mask = segment(*prepared);
+    report.seconds += prepared->seconds;
+    remember(pair, mask, grid);
   } else {
     ++report.without_motion;
+    mask = cv::Mat::zeros(grid.height, grid.width, CV_8UC1);
   }
+  if (usesTheFlowBack()) latest_ = std::move(prepared);
   cv::Mat ignored, creeping;
   if (options_.min_true_residual > 0.0) {
-    ignored = resizeNearest(ignoredOf(pair, input.camera, input.pixel_scale), truth.size());
+    const double pixel_scale = static_cast<double>(images_.reading(pair.first).width) / grid.width;
+    ignored = resizeNearest(ignoredOf(pair, grid, pixel_scale), truth.size());
     creeping = resizeNearest(creeping_->shownBy(pair.first), truth.size());
   }
   mask = resizeNearest(mask, truth.size());
@@ -270,6 +336,15 @@ void validate(const SegmentationEvaluationOptions& options) {
   one_of("rotation", options.rotation, {"ground_truth", "radar"});
   if (options.mask_to_velocity && options.velocity == "ground_truth")
     throw std::invalid_argument("mask_to_velocity needs a velocity by radar, not 'ground_truth'");
+  if (!(options.memory >= 0.0))
+    throw std::invalid_argument(fmt::format("memory is {} s, must be zero or positive", options.memory));
+  if (options.look_back || options.memory > 0.0) {
+    if (!isEstimatedFlow(options.flow))
+      throw std::invalid_argument(fmt::format(
+          "look_back and memory need the flow back, which flow '{}' does not have", options.flow));
+    if (!options.optical_flow.forward_backward || options.motion.score != MotionScore::kUncertainty)
+      throw std::invalid_argument("look_back and memory need forward_backward and score uncertainty");
+  }
   if (!(options.max_mask_age >= 0.0)) {
     throw std::invalid_argument(
         fmt::format("max_mask_age is {}, must be zero or positive", options.max_mask_age));

@@ -12,6 +12,7 @@
 #include "parameters.h"
 #include "radar_dot/vision/motion_refinement.h"
 #include "radar_dot/vision/rigid_motion.h"
+#include "refined_twist.h"
 #include "vision_parameters.h"
 
 namespace radar_dot {
@@ -19,34 +20,6 @@ namespace {
 
 constexpr std::size_t kMaxWaiting = 4;   // flows; at 12 Hz a third of a second
 constexpr double kWaitingPeriod = 0.05;  // s, how often waiting flows are looked at
-
-/// |flow - expected|, px; NaN where either is unknown.
-cv::Mat residualOf(const cv::Mat& flow, const cv::Mat& expected) {
-  cv::Mat residual(flow.size(), CV_32FC1);
-  for (int row = 0; row < flow.rows; ++row) {
-    const auto* observed = flow.ptr<cv::Vec2f>(row);
-    const auto* predicted = expected.ptr<cv::Vec2f>(row);
-    auto* values = residual.ptr<float>(row);
-    for (int column = 0; column < flow.cols; ++column) {
-      const cv::Vec2f difference = observed[column] - predicted[column];
-      values[column] = std::hypot(difference[0], difference[1]);
-    }
-  }
-  return residual;
-}
-
-void fill(geometry_msgs::Vector3& message, const Eigen::Vector3d& vector) {
-  message.x = vector.x();
-  message.y = vector.y();
-  message.z = vector.z();
-}
-
-cv::Mat onGrid(const cv::Mat& image, const cv::Size& size) {
-  if (image.empty() || image.size() == size) return image;
-  cv::Mat resized;
-  cv::resize(image, resized, size, 0.0, 0.0, cv::INTER_NEAREST);
-  return resized;
-}
 
 }  // namespace
 
@@ -67,6 +40,7 @@ void DynamicSegmentationNodelet::onInit() {
   camera_input_ = &addInput("camera_info");
   twist_input_ = &addInput("ego/twist");
   radar_input_ = &addInput("radar/dynamic", false);
+  backward_input_ = &addInput("flow/backward", false);
   server_ = serve<DynamicSegmentationConfig>(
       [](const DynamicSegmentationConfig& config) { validate(motionParams(config)); },
       [this](const DynamicSegmentationConfig& config) { configure(config); });
@@ -103,6 +77,7 @@ void DynamicSegmentationNodelet::connect() {
   waiting_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kWaitingPeriod),
                                                    [this](const ros::WallTimerEvent&) { processWaiting(); });
   followRadarGain();
+  followHistory();
 }
 
 void DynamicSegmentationNodelet::disconnect() {
@@ -112,13 +87,16 @@ void DynamicSegmentationNodelet::disconnect() {
   stop(*camera_input_, camera_subscriber_);
   stop(*twist_input_, twist_subscriber_);
   followRadarGain();
+  followHistory();
   forgetThePast();
 }
 
 void DynamicSegmentationNodelet::configure(const DynamicSegmentationConfig& config) {
   segmenter_ = MotionSegmenter(motionParams(config));
   config_ = config;
+  history_.clear();  // of masks by other parameters
   followRadarGain();
+  followHistory();
 }
 
 void DynamicSegmentationNodelet::followRadarGain() {
@@ -131,8 +109,20 @@ void DynamicSegmentationNodelet::followRadarGain() {
   }
 }
 
+void DynamicSegmentationNodelet::followHistory() {
+  const bool listening = static_cast<bool>(backward_subscriber_);
+  const bool wanted = connected() && (looksBack() || remembers());
+  if (wanted && !listening) {
+    backward_subscriber_ = listen<Flow>(*backward_input_, "flow/backward", 3,
+                                        [this](const FlowConstPtr& flow) { history_.addBackward(flow); });
+  } else if (!wanted && listening) {
+    stop(*backward_input_, backward_subscriber_);
+  }
+}
+
 void DynamicSegmentationNodelet::forgetThePast() {
   waiting_.clear();
+  history_.clear();
   depths_.clear();
   motion_->forget();
   dynamic_returns_->clear();
@@ -269,7 +259,7 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
                                   " px does not have the shape of the camera's image of " + sizeText(image) +
                                   " px");
     }
-    return onGrid(depth, grid);
+    return resizedNearest(depth, grid);
   };
   motion.depth = place(inputs.depth);
   motion.next_depth = place(inputs.next_depth);
@@ -302,26 +292,20 @@ void DynamicSegmentationNodelet::refine(Inputs& inputs) {
       motion.next_depth =
           exchangeGround(motion.next_depth, motion.camera, *ground, *refined.ground, config_.max_depth);
   }
-  if (refined_publisher_.getNumSubscribers() == 0) return;
-  const ros::Time first = inputs.flow->header.stamp;
-  const double dt = (inputs.flow->second_stamp - first).toSec();
-  const Eigen::Isometry3d T_camera_from_base = inputs.T_base_from_camera.inverse();
-  // Points seen from the base, and the base seen from them, move the opposite way.
-  const BaseVelocity velocity = baseVelocity(
-      (inputs.T_base_from_camera * motion.T_current_from_previous * T_camera_from_base).inverse(), dt);
-  geometry_msgs::TwistWithCovarianceStamped twist;
-  twist.header.stamp = std::max(first, inputs.flow->second_stamp);
-  twist.header.frame_id = base_frame_;
-  geometry_msgs::Twist& rates = twist.twist.twist;
-  fill(rates.linear, velocity.linear);
-  fill(rates.angular, velocity.angular);
-  const Eigen::Matrix<double, 6, 6> covariance =
-      cameraCovariance(T_camera_from_base, motion.motion_covariance) / (dt * dt);
-  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> message(twist.twist.covariance.data());
-  // Messages have the translation first.
-  message << covariance.bottomRightCorner<3, 3>(), covariance.bottomLeftCorner<3, 3>(),
-      covariance.topRightCorner<3, 3>(), covariance.topLeftCorner<3, 3>();
-  refined_publisher_.publish(twist);
+  if (refined_publisher_.getNumSubscribers() > 0)
+    refined_publisher_.publish(refinedTwist(inputs, inputs.T_base_from_camera, base_frame_));
+}
+
+const MotionResult& DynamicSegmentationNodelet::maskOf(Inputs& inputs) {
+  std::optional<MotionInput> before;
+  if (looksBack()) {
+    before = history_.pairBefore(inputs);
+    if (!before) ++without_past_since_report_;
+  }
+  if (remembers()) inputs.motion.belief = history_.beliefFor(inputs, config_.memory);
+  const MotionResult& result = segmenter_.segment(inputs.motion, before ? &*before : nullptr);
+  if (looksBack() || remembers()) history_.remember(inputs, result);
+  return result;
 }
 
 void DynamicSegmentationNodelet::segment(Inputs& inputs) {
@@ -331,7 +315,7 @@ void DynamicSegmentationNodelet::segment(Inputs& inputs) {
   }
   const ros::WallTime start = ros::WallTime::now();
   if (config_.refine) refine(inputs);
-  const MotionResult& result = segmenter_.segment(inputs.motion);
+  const MotionResult& result = maskOf(inputs);
   computation_time_ = (ros::WallTime::now() - start).toSec();
   publish(inputs, result);
 
@@ -357,66 +341,6 @@ void DynamicSegmentationNodelet::segment(Inputs& inputs) {
     warn("valid", "the mask is empty: no pixel has both depth on '" + depth_input_->topic() +
                       "' and flow on '" + flow_input_->topic() + "'");
   }
-}
-
-void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MotionResult& result) {
-  const std_msgs::Header& header = inputs.flow->header;
-  const cv::Size image(static_cast<int>(inputs.flow->image_width),
-                       static_cast<int>(inputs.flow->image_height));
-  const cv::Size size = config_.full_size ? image : result.mask.size();
-  if (mask_publisher_.getNumSubscribers() > 0)
-    mask_publisher_.publish(imageMessage(header, "mono8", onGrid(result.mask, size)));
-  if (valid_publisher_.getNumSubscribers() > 0)
-    valid_publisher_.publish(imageMessage(header, "mono8", onGrid(result.valid, size)));
-  if (score_publisher_.getNumSubscribers() > 0)
-    score_publisher_.publish(imageMessage(header, "32FC1", result.score));
-  const bool wants_residual = residual_publisher_.getNumSubscribers() > 0;
-  if (!wants_residual && expected_flow_publisher_.getNumSubscribers() == 0) return;
-  const cv::Mat expected =
-      expectedFlow(inputs.motion.camera, inputs.motion.T_current_from_previous, inputs.motion.depth);
-  expected_flow_publisher_.publish(imageMessage(header, "32FC2", expected));
-  if (wants_residual)
-    residual_publisher_.publish(imageMessage(header, "32FC1", residualOf(inputs.motion.flow, expected)));
-}
-
-void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  using diagnostic_msgs::DiagnosticStatus;
-  const ros::WallTime now = ros::WallTime::now();
-  const double without_mask = std::min((now - last_mask_).toSec(), (now - connected_since_).toSec());
-  if (!connected()) {
-    status.summary(DiagnosticStatus::OK, "nobody wants masks");
-  } else if (dropped_since_report_ > 0) {
-    status.summaryf(masks_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
-                    "%zu flows without a mask: %s", dropped_since_report_, drop_reason_.c_str());
-  } else if (without_mask > silentAfter()) {
-    status.summaryf(DiagnosticStatus::ERROR, "no mask for %.1f s", without_mask);
-  } else if (masks_since_report_ > 0 && valid_share_ == 0.0) {
-    status.summary(DiagnosticStatus::WARN, "no pixel has both depth and flow");
-  } else {
-    status.summaryf(DiagnosticStatus::OK, "%zu masks in the last second", masks_since_report_);
-  }
-  if (without_next_depth_since_report_ > 0) {
-    status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without the depth of the second image",
-                         without_next_depth_since_report_);
-  }
-  if (without_rotation_since_report_ > 0) {
-    status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without a rotation from %s",
-                         without_rotation_since_report_, motion_->rotationText().c_str());
-  }
-  status.add("rotation", motion_->rotationText());
-  status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
-  status.addf("latency (ms)", "%.1f", 1e3 * latency_);
-  status.addf("valid share", "%.3f", valid_share_);
-  status.addf("dynamic share", "%.4f", mask_share_);
-  status.addf("median of the score", "%.3f", median_);
-  status.addf("MAD of the score", "%.3f", mad_);
-  status.addf("threshold", "%.3f", threshold_);
-  status.addf("flows waiting", "%zu", waiting_.size());
-  status.addf("masks", "%zu", masks_);
-  status.addf("flows dropped", "%zu", dropped_);
-  status.add("last drop", drop_reason_);
-  masks_since_report_ = dropped_since_report_ = 0;
-  without_rotation_since_report_ = without_next_depth_since_report_ = 0;
 }
 
 }  // namespace radar_dot

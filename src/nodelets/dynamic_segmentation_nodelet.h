@@ -11,6 +11,7 @@
 #include "cloud_points.h"
 #include "ego_motion.h"
 #include "image_messages.h"
+#include "mask_history.h"
 #include "radar_dot/DynamicSegmentationConfig.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "stamp_cache.h"
@@ -30,11 +31,8 @@ class DynamicSegmentationNodelet : public StreamNodelet {
     ros::WallTime arrival;
     sensor_msgs::ImageConstPtr depth, next_depth;  // as soon as they are there
   };
-  /// Everything that goes with one flow; the messages own the pixels.
-  struct Inputs {
-    FlowConstPtr flow;
-    sensor_msgs::ImageConstPtr depth, next_depth;
-    MotionInput motion;
+  /// Everything that goes with one flow.
+  struct Inputs : PairInputs {
     Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();
     bool without_rotation = false;  // of the source; the twists' own instead
   };
@@ -43,6 +41,7 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   void connect();
   void disconnect();
   void followRadarGain();
+  void followHistory();
   void setUpOutputs();
   void configure(const DynamicSegmentationConfig& config);
   void forgetThePast() override;
@@ -61,9 +60,12 @@ class DynamicSegmentationNodelet : public StreamNodelet {
                                              const Eigen::Isometry3d& T_base_from_camera);
   /// Motion, its covariance, and where depth shows the ground, both depths, by the image.
   void refine(Inputs& inputs);
+  const MotionResult& maskOf(Inputs& inputs);
   void segment(Inputs& inputs);
   void publish(const Inputs& inputs, const MotionResult& result);
   bool wanted() const;
+  bool looksBack() const { return config_.score == "uncertainty" && config_.look_back; }
+  bool remembers() const { return config_.score == "uncertainty" && config_.memory > 0.0; }
   void drop(const std::string& reason);
 
   DynamicSegmentationConfig config_ = DynamicSegmentationConfig::__getDefault__();
@@ -73,13 +75,14 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> dynamic_returns_;
   StampCache<sensor_msgs::Image> depths_;
+  MaskHistory history_;
   sensor_msgs::CameraInfoConstPtr camera_;
   std::deque<WaitingFlow> waiting_;
 
   InputMonitor *flow_input_ = nullptr, *depth_input_ = nullptr, *camera_input_ = nullptr,
-               *twist_input_ = nullptr, *radar_input_ = nullptr;
+               *twist_input_ = nullptr, *radar_input_ = nullptr, *backward_input_ = nullptr;
   ros::Subscriber flow_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_,
-      radar_subscriber_;
+      radar_subscriber_, backward_subscriber_;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Publisher mask_publisher_, valid_publisher_;
   ros::Publisher score_publisher_, expected_flow_publisher_, residual_publisher_, refined_publisher_;
@@ -91,7 +94,7 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   double median_ = 0.0, mad_ = 0.0, threshold_ = 0.0;
   std::size_t masks_ = 0, dropped_ = 0;
   std::size_t masks_since_report_ = 0, dropped_since_report_ = 0, without_rotation_since_report_ = 0,
-              without_next_depth_since_report_ = 0;
+              without_next_depth_since_report_ = 0, without_past_since_report_ = 0;
   ros::WallTime last_mask_, connected_since_;
   std::string drop_reason_;
 };

@@ -37,6 +37,7 @@ void OpticalFlowNodelet::onInit() {
   camera_input_ = &addInput("camera_info");
   twist_input_ = &addInput("ego/twist");
   publisher_ = handle.advertise<Flow>("flow", 3);
+  backward_publisher_ = handle.advertise<Flow>("flow/backward", 3);
 
   server_ = serve<OpticalFlowConfig>(
       [this](const OpticalFlowConfig& config) {
@@ -53,8 +54,9 @@ void OpticalFlowNodelet::onInit() {
   compute_timer_ = handle.createWallTimer(
       ros::WallDuration(kNext),
       [this](const ros::WallTimerEvent&) { guard(*image_, [this] { processWaiting(); }); }, true, false);
-  connectWhile([this] { return publisher_.getNumSubscribers() > 0; }, [this] { connect(); },
-               [this] { disconnect(); });
+  connectWhile(
+      [this] { return publisher_.getNumSubscribers() + backward_publisher_.getNumSubscribers() > 0; },
+      [this] { connect(); }, [this] { disconnect(); });
 }
 
 void OpticalFlowNodelet::configure(const OpticalFlowConfig& config) {
@@ -205,9 +207,16 @@ void OpticalFlowNodelet::processWaiting() {
 void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
   const ros::WallTime start = ros::WallTime::now();
   const cv::Mat& first = pair.first->pixels();
+  const std_msgs::Header& first_header = pair.first->header();
+  const std_msgs::Header& second_header = pair.second->header();
   const FlowField field = flow_->compute(first, pair.second->pixels(), expected);
+  // The way back goes first: who looks back from the next flow finds it there.
+  if (config_.forward_backward && backward_publisher_.getNumSubscribers() > 0) {
+    backward_publisher_.publish(flowMessage(second_header, first_header.stamp,
+                                            backwardField(field, opticalFlowParams(config_)), first.size()));
+  }
   computation_time_ = (ros::WallTime::now() - start).toSec();
-  publisher_.publish(flowMessage(pair.first->header(), pair.second->header().stamp, field, first.size()));
+  publisher_.publish(flowMessage(first_header, second_header.stamp, field, first.size()));
   latency_ =
       ros::Time::now().toSec() - std::max(pair.first->header().stamp, pair.second->header().stamp).toSec();
   ++computed_;

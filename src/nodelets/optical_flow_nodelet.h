@@ -61,7 +61,7 @@ class OpticalFlowNodelet : public ImageSubscriber {
   InputMonitor* image_ = nullptr;
   InputMonitor *depth_input_ = nullptr, *camera_input_ = nullptr, *twist_input_ = nullptr;
   ros::Subscriber image_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_;
-  ros::Publisher publisher_;
+  ros::Publisher publisher_, backward_publisher_;
   std::unique_ptr<dynamic_reconfigure::Server<OpticalFlowConfig>> server_;
   ros::WallTimer compute_timer_;
 

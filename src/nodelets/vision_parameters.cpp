@@ -61,7 +61,7 @@ MotionParams motionParams(const DynamicSegmentationConfig& config) {
   params.depth_std = config.depth_std;
   params.next_depth_std = config.next_depth_std;
   params.false_alarm = config.false_alarm;
-  params.growth = config.growth;
+  params.seed = config.seed;
   params.radar_azimuth_std = config.radar_azimuth_std;
   params.k = config.k;
   params.lambda = config.lambda;

@@ -96,6 +96,11 @@ void declareMethod(CLI::App& app, Arguments& arguments) {
                "Exclude pixels whose prediction leaves the image (default: on)");
   radar_dot::tools::declareScore(app, motion);
   radar_dot::tools::declareRefinement(app, options.refine, options.motion_uncertainty);
+  app.add_flag("--look-back,!--no-look-back", options.look_back,
+               "See the first image also together with the one before (default: off; uncertainty)");
+  app.add_option("--memory", options.memory,
+                 "s, after which what the mask before said is worth 1 / e; 0 = off (uncertainty)")
+      ->capture_default_str();
   radar_dot::OpticalFlowParams& flow = options.optical_flow;
   app.add_option("--preset", flow.preset, "ultrafast, fast, medium, fine (dis)")->capture_default_str();
   app.add_option("--initialisation", arguments.initialisation,
@@ -129,7 +134,7 @@ void declareLoop(CLI::App& app, Arguments& arguments) {
 void declareAblation(CLI::App& app, Arguments& arguments) {
   app.add_flag("--ablation", arguments.ablation,
                "From the paper's masks to the best, step by step: the score by uncertainty, refined motion, "
-               "radar evidence; one table, and in --json")
+               "radar evidence, the pair before, memory; one table, and in --json")
       ->excludes("--compare-loop");
 }
 

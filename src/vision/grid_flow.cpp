@@ -111,8 +111,8 @@ FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const c
   field.flow = there.size() == wanted ? there : resizeFlow(there, wanted);
   if (params_.forward_backward) {
     const cv::Mat start_back = start.empty() ? cv::Mat() : fillUnknown(reversed(start));
-    const cv::Mat back = resizeFlow(runFrom(start_back, second_on_grid, first_on_grid), wanted);
-    closeForwardBackward(field, back, params_.forward_backward_absolute, params_.forward_backward_relative);
+    field.backward = resizeFlow(runFrom(start_back, second_on_grid, first_on_grid), wanted);
+    closeForwardBackward(field, field.backward, params_.forward_backward_absolute, params_.forward_backward_relative);
   }
   if (params_.initialisation == "temporal") previous_ = there.clone();
   return field;

@@ -20,7 +20,9 @@ constexpr int kBlock = 256;  // pixels of a row that are worked on together,
 /// compiler works on several pixels at once; constants are copied first, so that it knows they do not change
 /// meanwhile.
 struct PixelBlock {
-  std::array<float, kBlock> u, v, depth_there, flow_part, tolerance, depth_part, closure, depth_std;
+  std::array<float, kBlock> u, v, depth_there, flow_part, tolerance, depth_part;
+  // of the score by uncertainty
+  std::array<float, kBlock> closure, depth_std, uu, uv, vv;
 };
 
 /// Prediction, flow residual and the tolerance for flow.
@@ -107,42 +109,61 @@ void readNoise(const PassConstants& pass, int count, const float* closures, cons
   }
 }
 
-/// Standard deviations from static. What is excluded, whose flow_part is NaN, stays so.
-RADAR_DOT_VECTORISED void distanceBlock(const PassConstants& pass, int row, int begin, int count,
-                                        const float* depths, const float* flows, const PixelBlock& block,
-                                        float* scores) {
+/// What the errors of flow and depth add to the covariance.
+RADAR_DOT_VECTORISED void spreadByInputs(const PassConstants& pass, int count, const float* depths,
+                                         const float* flows, PixelBlock& block) {
   namespace terms = uncertainty_terms;
   const motion_terms::PixelMotion motion = pass.motion;
-  const terms::MotionSpread spread = pass.spread;
   const float flow_std = pass.flow_std;
   const float flow_std_relative = pass.flow_std_relative;
   const float closure_weight = pass.closure_weight;
-  const float next_depth_std = pass.next_depth_std;
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const float flow_u = flows[2 * i];
+    const float flow_v = flows[2 * i + 1];
+    const float sigma = flow_std + flow_std_relative * std::sqrt(flow_u * flow_u + flow_v * flow_v);
+    const float gap = closure_weight * block.closure[k];
+    const float variance = sigma * sigma + gap * gap;
+    const terms::PixelShift shift =
+        terms::byInverseDepth(motion, depths[i], {block.u[k], block.v[k], block.depth_there[k]});
+    const float rho_std = block.depth_std[k] / depths[i];
+    const float g_u = rho_std * shift.u;
+    const float g_v = rho_std * shift.v;
+    block.uu[k] = variance + g_u * g_u;
+    block.uv[k] = g_u * g_v;
+    block.vv[k] = variance + g_v * g_v;
+  }
+}
+
+/// What the error of the motion adds, in one of its directions.
+RADAR_DOT_VECTORISED void spreadByMotion(const PassConstants& pass,
+                                         const uncertainty_terms::SmallMotion& direction, int count,
+                                         PixelBlock& block) {
+  const uncertainty_terms::SmallMotion motion = direction;
   const float fx = pass.fx, fy = pass.fy, cx = pass.cx, cy = pass.cy;
   const float x_by_u = 1.0F / fx, y_by_v = 1.0F / fy;
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const uncertainty_terms::PixelShift shift = uncertainty_terms::byMotion(
+        fx, fy, (block.u[k] - cx) * x_by_u, (block.v[k] - cy) * y_by_v, 1.0F / block.depth_there[k], motion);
+    block.uu[k] += shift.u * shift.u;
+    block.uv[k] += shift.u * shift.v;
+    block.vv[k] += shift.v * shift.v;
+  }
+}
+
+/// Standard deviations from static. What is excluded, whose flow_part is NaN, stays so.
+RADAR_DOT_VECTORISED void distanceBlock(const PassConstants& pass, int row, int begin, int count,
+                                        const float* flows, const PixelBlock& block, float* scores) {
+  const float next_depth_std = pass.next_depth_std;
   const auto v = static_cast<float>(row);
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const auto u = static_cast<float>(begin + i);
-    const float flow_u = flows[2 * i];
-    const float flow_v = flows[2 * i + 1];
-    const motion_terms::Prediction there{block.u[k], block.v[k], block.depth_there[k]};
-    const float length = std::sqrt(flow_u * flow_u + flow_v * flow_v);
-    const float sigma = flow_std + flow_std_relative * length;
-    const float gap = closure_weight * block.closure[k];
-    const float variance = sigma * sigma + gap * gap;
-    const terms::PixelShift shift = terms::byInverseDepth(motion, depths[i], there);
-    const float rho_std = block.depth_std[k] / depths[i];
-    const float g_u = rho_std * shift.u;
-    const float g_v = rho_std * shift.v;
-    terms::Covariance covariance{variance + g_u * g_u, g_u * g_v, variance + g_v * g_v};
-    if (!spread.none) {
-      spread.addTo(
-          terms::byMotion(fx, fy, (there.u - cx) * x_by_u, (there.v - cy) * y_by_v, 1.0F / there.depth),
-          covariance);
-    }
-    const float squared = terms::squaredDistance(flow_u - (there.u - u), flow_v - (there.v - v), covariance);
-    const float depth_distance = block.depth_part[k] / (next_depth_std * there.depth);
+    const float squared = uncertainty_terms::squaredDistance(flows[2 * i] - (block.u[k] - u),
+                                                             flows[2 * i + 1] - (block.v[k] - v),
+                                                             {block.uu[k], block.uv[k], block.vv[k]});
+    const float depth_distance = block.depth_part[k] / (next_depth_std * block.depth_there[k]);
     scores[i] = std::sqrt(squared + depth_distance * depth_distance) + 0.0F * block.flow_part[k];
   }
 }
@@ -166,7 +187,7 @@ PassConstants::PassConstants(const MotionInput& input, const MotionParams& param
       fy(static_cast<float>(input.camera.fy)),
       cx(static_cast<float>(input.camera.cx)),
       cy(static_cast<float>(input.camera.cy)),
-      spread(input.motion_covariance),
+      spread(uncertainty_terms::spreadOf(input.motion_covariance)),
       by_uncertainty(params.score == MotionScore::kUncertainty),
       radar_factors{1.0F, static_cast<float>(1.0 / (1.0 + params.static_gain)),
                     static_cast<float>(1.0 + params.radar_gain)},
@@ -199,7 +220,9 @@ void scoreRow(const PassConstants& pass, const motion_terms::FloatImage& next_de
     lookUpDepth(pass, next_depth, row, begin, count, depths, flows, from(input.reliable, begin), block);
     if (pass.by_uncertainty) {
       readNoise(pass, count, from(input.closures, begin), from(input.depth_stds, begin), block);
-      distanceBlock(pass, row, begin, count, depths, flows, block, scores + begin);
+      spreadByInputs(pass, count, depths, flows, block);
+      for (const auto& direction : pass.spread) spreadByMotion(pass, direction, count, block);
+      distanceBlock(pass, row, begin, count, flows, block, scores + begin);
     } else {
       scoreBlock(pass, count, depths, block, scores + begin);
     }

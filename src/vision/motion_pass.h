@@ -28,7 +28,7 @@ struct PassConstants {
   float flow_std, flow_std_relative, closure_weight, depth_std,
       next_depth_std;    // px of the grid, shares
   float fx, fy, cx, cy;  // px of the grid
-  uncertainty_terms::MotionSpread spread;
+  std::vector<uncertainty_terms::SmallMotion> spread;
   bool by_uncertainty;
   std::array<float, 3> radar_factors;  // of nothing, kStaticReturn, kDynamicReturn
   float last_u, last_v;

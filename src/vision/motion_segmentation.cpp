@@ -42,12 +42,22 @@ void morphology(cv::Mat& mask, int operation, int size) {
   cv::morphologyEx(mask, mask, operation, cv::getStructuringElement(cv::MORPH_RECT, cv::Size(size, size)));
 }
 
+RADAR_DOT_VECTORISED void aboveRow(const float* scores, int columns, float threshold, std::uint8_t* above) {
+  for (int i = 0; i < columns; ++i) above[i] = scores[i] > threshold ? 255 : 0;
+}
+
 RADAR_DOT_VECTORISED void thresholdRow(const float* scores, int columns, float threshold, std::uint8_t* mask,
                                        std::uint8_t* valid) {
   for (int i = 0; i < columns; ++i) {
     mask[i] = scores[i] > threshold ? 255 : 0;
     valid[i] = scores[i] >= 0.0F ? 255 : 0;
   }
+}
+
+/// By how much scores with this median are larger than the model of static pixels says, 1 or more.
+double scaleOf(double median) {
+  // A third component that is not known everywhere is as if it were zero: the median is that of two.
+  return std::max(1.0, median / uncertainty_terms::chiMedian(2));
 }
 
 using Histograms = tbb::enumerable_thread_specific<FloatHistogram>;
@@ -113,13 +123,13 @@ void validate(const MotionParams& params) {
   kChecks.notNegative("radar_gain", params.radar_gain);
   kChecks.notNegative("static_gain", params.static_gain);
   kChecks.notNegative("radar_azimuth_std", params.radar_azimuth_std);
-  kChecks.require(params.growth > 0.0 && params.growth <= 1.0, "growth", params.growth, "above 0, at most 1");
+  kChecks.require(params.seed >= 1.0 && std::isfinite(params.seed), "seed", params.seed, "1 or more");
   kChecks.positive("radar_radius", params.radar_radius);
 }
 
 struct MotionSegmenter::Workspace {
   MotionResult result;
-  cv::Mat footprints;
+  cv::Mat footprints, score_before, seeds;
   Histograms histograms;
   FloatHistogram sum;
   tbb::enumerable_thread_specific<std::vector<float>> local_candidates;
@@ -129,10 +139,12 @@ struct MotionSegmenter::Workspace {
   void drawFootprints(const MotionInput& input, const MotionParams& params);
   void drawFootprint(const CameraIntrinsics& camera, const Eigen::Vector3f& point, const MotionParams& params,
                      std::uint8_t value);
-  std::size_t score(const MotionInput& input, const PassConstants& pass);
-  void threshold(const MotionParams& params, const MotionInput& input);
-  double paperThreshold(const MotionParams& params, float median);
-  void grow(float low, int opening);
+  double score(const MotionInput& input, const PassConstants& pass, cv::Mat& scores);
+  void addPairBefore(double scale_ratio);
+  void addBelief(const cv::Mat& belief);
+  double paperThreshold(const MotionParams& params);
+  void makeMask(const MotionParams& params, double pixel_scale);
+  void keepSeeded(float high, int opening);
 };
 
 MotionSegmenter::MotionSegmenter(MotionParams params)
@@ -181,10 +193,12 @@ void MotionSegmenter::Workspace::drawFootprints(const MotionInput& input, const 
   }
 }
 
-std::size_t MotionSegmenter::Workspace::score(const MotionInput& input, const PassConstants& pass) {
+/// Fills `scores`, and `sum`. @return their median; 0 where all pixels are excluded
+double MotionSegmenter::Workspace::score(const MotionInput& input, const PassConstants& pass,
+                                         cv::Mat& scores) {
   const int rows = input.camera.height;
   const int columns = input.camera.width;
-  result.score.create(rows, columns, CV_32FC1);
+  scores.create(rows, columns, CV_32FC1);
   const motion_terms::FloatImage next_depth(input.next_depth);
   const bool with_radar = (pass.radar_factors[kDynamicReturn] != 1.0F && !input.dynamic_points.empty()) ||
                           (pass.radar_factors[kStaticReturn] != 1.0F && !input.static_points.empty());
@@ -196,103 +210,166 @@ std::size_t MotionSegmenter::Workspace::score(const MotionInput& input, const Pa
     if (!input.flow_closure.empty()) in.closures = input.flow_closure.ptr<float>(row);
     if (!input.depth_std.empty()) in.depth_stds = input.depth_std.ptr<float>(row);
     if (with_radar) in.footprint = footprints.ptr<std::uint8_t>(row);
-    float* scores = result.score.ptr<float>(row);
-    scoreRow(pass, next_depth, row, in, columns, scores);
-    for (int column = 0; column < columns; ++column) histogram.add(scores[column]);
+    float* out = scores.ptr<float>(row);
+    scoreRow(pass, next_depth, row, in, columns, out);
+    for (int column = 0; column < columns; ++column) histogram.add(out[column]);
   });
-  return sum.finiteCount();
+  const auto same = [](float s) { return s; };
+  return static_cast<double>(medianOf(scores, sum, sum.finiteCount(), local_candidates, candidates, same));
 }
 
-double MotionSegmenter::Workspace::paperThreshold(const MotionParams& params, float median) {
+/// Root mean square with score_before. @param scale_ratio  of the scores over those before
+void MotionSegmenter::Workspace::addPairBefore(double scale_ratio) {
+  const auto ratio = static_cast<float>(scale_ratio);
+  parallelRows(result.score.rows, [&](int row) {
+    float* scores = result.score.ptr<float>(row);
+    const float* others = score_before.ptr<float>(row);
+    for (int column = 0; column < result.score.cols; ++column) {
+      const float here = scores[column];
+      const float before = ratio * others[column];
+      const float both = std::sqrt(0.5F * (here * here + before * before));
+      const float one = here >= 0.0F ? here : before;
+      scores[column] = both >= 0.0F ? both : one;
+    }
+  });
+}
+
+/// Adds what is believed from before to the scores; what is excluded counts where enough of it is left.
+void MotionSegmenter::Workspace::addBelief(const cv::Mat& belief) {
+  constexpr float kForgotten = 1.0F;  // odds of e to 1
+  const auto tau = static_cast<float>(result.threshold);
+  const auto scale = static_cast<float>(result.scale);
+  parallelRows(result.score.rows, [&](int row) {
+    float* scores = result.score.ptr<float>(row);
+    const float* beliefs = belief.ptr<float>(row);
+    for (int column = 0; column < result.score.cols; ++column) {
+      const float believed = std::fabs(beliefs[column]);  // false below for NaN
+      const bool is_excluded = !(scores[column] >= 0.0F);
+      if (!(believed >= (is_excluded ? kForgotten : 0.0F))) continue;
+      scores[column] = std::max(0.0F, (is_excluded ? tau : scores[column]) + scale * beliefs[column]);
+    }
+  });
+}
+
+double MotionSegmenter::Workspace::paperThreshold(const MotionParams& params) {
+  const auto median = static_cast<float>(result.median);
   const auto deviation = [median](float s) { return std::fabs(s - median); };
   const cv::Mat& scores = result.score;
+  const std::size_t count = sum.finiteCount();
   overRows(scores.rows, histograms, sum, [&](int row, FloatHistogram& histogram) {
     const float* pixels = scores.ptr<float>(row);
     for (int column = 0; column < scores.cols; ++column) histogram.add(deviation(pixels[column]));
   });
-  const float mad = medianOf(scores, sum, result.valid_count, local_candidates, candidates, deviation);
+  const float mad = medianOf(scores, sum, count, local_candidates, candidates, deviation);
   result.mad = static_cast<double>(mad);
   return static_cast<double>(motion_terms::robustThreshold(median, mad, static_cast<float>(params.k),
                                                            static_cast<float>(params.min_threshold)));
 }
 
-/// Adds to the mask what is above `low` and connected with it.
-void MotionSegmenter::Workspace::grow(float low, int opening) {
-  cv::Mat candidates_mask = result.score > low;
-  morphology(candidates_mask, cv::MORPH_OPEN, opening);
-  cv::bitwise_or(candidates_mask, result.mask, candidates_mask);
-  cv::Mat labels;
-  const int count = cv::connectedComponents(candidates_mask, labels, 8, CV_32S);
-  std::vector<std::uint8_t> holds_seed(static_cast<std::size_t>(count), 0);
-  for (int row = 0; row < labels.rows; ++row) {
-    const int* label = labels.ptr<int>(row);
-    const std::uint8_t* seed = result.mask.ptr<std::uint8_t>(row);
-    for (int column = 0; column < labels.cols; ++column)
-      if (seed[column] != 0) holds_seed[static_cast<std::size_t>(label[column])] = 255;
+/// Removes the regions of the mask without a part above `high` that stands the opening.
+void MotionSegmenter::Workspace::keepSeeded(float high, int opening) {
+  seeds.create(result.score.size(), CV_8UC1);
+  parallelRows(seeds.rows, [&](int row) {
+    aboveRow(result.score.ptr<float>(row), seeds.cols, high, seeds.ptr<std::uint8_t>(row));
+  });
+  morphology(seeds, cv::MORPH_OPEN, opening);
+  // What is opened at a higher level is part of what is opened at a lower one: every seed lies in the mask.
+  constexpr std::uint8_t kCandidate = 255;
+  constexpr std::uint8_t kKept = 128;
+  constexpr int kNeighbours = 8;
+  for (int row = 0; row < seeds.rows; ++row) {
+    const auto* seed = seeds.ptr<std::uint8_t>(row);
+    const auto* mask = result.mask.ptr<std::uint8_t>(row);
+    for (int column = 0; column < seeds.cols; ++column) {
+      if (seed[column] != 0 && mask[column] == kCandidate)
+        cv::floodFill(result.mask, {column, row}, cv::Scalar(kKept), nullptr, {}, {}, kNeighbours);
+    }
   }
-  holds_seed[0] = 0;  // the background
-  parallelRows(labels.rows, [&](int row) {
-    const int* label = labels.ptr<int>(row);
+  parallelRows(result.mask.rows, [&](int row) {
     std::uint8_t* mask = result.mask.ptr<std::uint8_t>(row);
-    for (int column = 0; column < labels.cols; ++column)
-      mask[column] = holds_seed[static_cast<std::size_t>(label[column])];
+    for (int column = 0; column < result.mask.cols; ++column)
+      mask[column] = mask[column] == kKept ? kCandidate : 0;
   });
 }
 
-void MotionSegmenter::Workspace::threshold(const MotionParams& params, const MotionInput& input) {
+void MotionSegmenter::Workspace::makeMask(const MotionParams& params, double pixel_scale) {
   const cv::Mat& scores = result.score;
-  const auto same = [](float s) { return s; };
-  const float median = medianOf(scores, sum, result.valid_count, local_candidates, candidates, same);
-  result.median = static_cast<double>(median);
-  result.mad = 0.0;
-  if (params.score == MotionScore::kPaper) {
-    result.threshold = paperThreshold(params, median);
-  } else {
-    namespace terms = uncertainty_terms;
-    const int degrees = input.next_depth.empty() ? 2 : 3;
-    // A third component that is not known everywhere is as if it were zero: the median is that of two.
-    const double scale = std::max(1.0, result.median / terms::chiMedian(2));
-    result.threshold = scale * terms::chiThreshold(degrees, params.false_alarm);
-  }
   const auto tau = static_cast<float>(result.threshold);
-
+  const bool by_uncertainty = params.score == MotionScore::kUncertainty;
   result.mask.create(scores.size(), CV_8UC1);
   result.valid.create(scores.size(), CV_8UC1);
   parallelRows(scores.rows, [&](int row) {
     thresholdRow(scores.ptr<float>(row), scores.cols, tau, result.mask.ptr<std::uint8_t>(row),
                  result.valid.ptr<std::uint8_t>(row));
   });
-  const int opening = kernelSize(params.opening, input.pixel_scale);
+  result.valid_count = static_cast<std::size_t>(cv::countNonZero(result.valid));
+  const int opening = kernelSize(params.opening, pixel_scale);
   morphology(result.mask, cv::MORPH_OPEN, opening);
-  if (params.growth < 1.0) grow(static_cast<float>(params.growth) * tau, opening);
-  morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.closing, input.pixel_scale));
+  if (by_uncertainty && params.seed > 1.0) keepSeeded(static_cast<float>(params.seed) * tau, opening);
+  morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.closing, pixel_scale));
   // Closing reaches over excluded pixels, of which nothing is known.
   cv::bitwise_and(result.mask, result.valid, result.mask);
 }
 
-const MotionResult& MotionSegmenter::segment(const MotionInput& input) {
+namespace {
+
+void requireImages(const MotionInput& input) {
   const CameraIntrinsics& camera = input.camera;
-  kChecks.require(camera.width >= 2 && camera.height >= 2, "width of the camera's grid", camera.width,
-                  "2 px or more");
-  kChecks.require(input.pixel_scale > 0.0 && std::isfinite(input.pixel_scale), "pixel_scale",
-                  input.pixel_scale, "positive");
   if (!input.T_current_from_previous.matrix().allFinite()) {
     throw std::invalid_argument("motion segmentation: the motion is not finite");
   }
   requireImage(input.flow, CV_32FC2, camera, "flow", "CV_32FC2");
   requireImage(input.depth, CV_32FC1, camera, "depth", "CV_32FC1");
   if (!input.flow_valid.empty()) requireImage(input.flow_valid, CV_8UC1, camera, "flow_valid", "CV_8UC1");
-  if (!input.next_depth.empty()) requireImage(input.next_depth, CV_32FC1, camera, "next_depth", "CV_32FC1");
-  if (!input.flow_closure.empty())
-    requireImage(input.flow_closure, CV_32FC1, camera, "flow_closure", "CV_32FC1");
-  if (!input.depth_std.empty()) requireImage(input.depth_std, CV_32FC1, camera, "depth_std", "CV_32FC1");
+  for (const auto& [image, name] :
+       {std::pair(&input.next_depth, "next_depth"), std::pair(&input.flow_closure, "flow_closure"),
+        std::pair(&input.depth_std, "depth_std"), std::pair(&input.belief, "belief")})
+    if (!image->empty()) requireImage(*image, CV_32FC1, camera, name, "CV_32FC1");
+}
+
+}  // namespace
+
+const MotionResult& MotionSegmenter::segment(const MotionInput& input, const MotionInput* before) {
+  const CameraIntrinsics& camera = input.camera;
+  kChecks.require(camera.width >= 2 && camera.height >= 2, "width of the camera's grid", camera.width,
+                  "2 px or more");
+  kChecks.require(input.pixel_scale > 0.0 && std::isfinite(input.pixel_scale), "pixel_scale",
+                  input.pixel_scale, "positive");
+  requireImages(input);
+  const bool by_uncertainty = params_.score == MotionScore::kUncertainty;
+  if (!by_uncertainty && (before != nullptr || !input.belief.empty()))
+    throw std::invalid_argument("motion segmentation: the paper's score knows nothing of images before");
+  if (before != nullptr) {
+    kChecks.require(before->camera.width == camera.width && before->camera.height == camera.height,
+                    "width of the grid of the pair before", before->camera.width, "that of the pair");
+    requireImages(*before);
+  }
 
   Workspace& work = *workspace_;
-  work.result.median_depth = work.medianDepth(input, static_cast<float>(params_.max_depth));
+  MotionResult& result = work.result;
+  result.mad = 0.0;
+  result.scale = 1.0;
+  result.median_depth = work.medianDepth(input, static_cast<float>(params_.max_depth));
   if (!input.dynamic_points.empty() || !input.static_points.empty()) work.drawFootprints(input, params_);
-  work.result.valid_count = work.score(input, PassConstants(input, params_, work.result.median_depth));
-  work.threshold(params_, input);
-  return work.result;
+  const PassConstants pass(input, params_, result.median_depth);
+  if (!by_uncertainty) {
+    result.median = work.score(input, pass, result.score);
+    result.threshold = work.paperThreshold(params_);
+    work.makeMask(params_, input.pixel_scale);
+    return result;
+  }
+  result.median = work.score(input, pass, result.score);
+  result.scale = scaleOf(result.median);
+  if (before != nullptr) {
+    const PassConstants pass_before(*before, params_, result.median_depth);
+    const double scale_before = scaleOf(work.score(*before, pass_before, work.score_before));
+    work.addPairBefore(result.scale / scale_before);
+  }
+  const int degrees = input.next_depth.empty() ? 2 : 3;
+  result.threshold = result.scale * uncertainty_terms::chiThreshold(degrees, params_.false_alarm);
+  if (!input.belief.empty()) work.addBelief(input.belief);
+  work.makeMask(params_, input.pixel_scale);
+  return result;
 }
 
 }  // namespace radar_dot

@@ -83,6 +83,13 @@ void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double ab
   }
 }
 
+FlowField backwardField(const FlowField& field, const OpticalFlowParams& params) {
+  FlowField back;
+  back.flow = field.backward;
+  closeForwardBackward(back, field.flow, params.forward_backward_absolute, params.forward_backward_relative);
+  return back;
+}
+
 cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
                              double relative) {
   FlowField field;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/vision/uncertainty_terms.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <stdexcept>
 
@@ -18,19 +17,21 @@ double exceedance(int degrees, double t) {
 
 }  // namespace
 
-MotionSpread::MotionSpread(const Eigen::Matrix<double, 6, 6>& covariance) : none(covariance.isZero(0.0)) {
-  if (none) return;
-  // Semi-definite where some of the motion is exact, which a plain Cholesky factor does not stand.
+std::vector<SmallMotion> spreadOf(const Eigen::Matrix<double, 6, 6>& covariance) {
+  std::vector<SmallMotion> spread;
+  if (covariance.isZero(0.0)) return spread;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(covariance);
-  if (!covariance.allFinite() || solver.eigenvalues().minCoeff() < -1e-9 * solver.eigenvalues().maxCoeff())
+  const double largest = solver.eigenvalues().maxCoeff();
+  constexpr double kRounding = 1e-9;
+  if (!covariance.allFinite() || solver.eigenvalues().minCoeff() < -kRounding * largest)
     throw std::invalid_argument("motion segmentation: the covariance of the motion is no covariance");
-  const Eigen::Matrix<double, 6, 6> root =
-      solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  // root root^T = L L^T with L = R^T of the QR decomposition of root^T.
-  const Eigen::Matrix<double, 6, 6> upper =
-      root.transpose().eval().householderQr().matrixQR().triangularView<Eigen::Upper>();
-  for (int row = 0; row < 6; ++row)
-    for (int column = 0; column <= row; ++column) lower[row][column] = static_cast<float>(upper(column, row));
+  for (int i = 0; i < 6; ++i) {
+    if (solver.eigenvalues()[i] <= kRounding * largest) continue;
+    const Eigen::Matrix<float, 6, 1> axis =
+        (std::sqrt(solver.eigenvalues()[i]) * solver.eigenvectors().col(i)).cast<float>();
+    spread.push_back({axis[0], axis[1], axis[2], axis[3], axis[4], axis[5]});
+  }
+  return spread;
 }
 
 double chiThreshold(int degrees, double false_alarm) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <functional>
@@ -29,7 +30,7 @@ constexpr const char* kVerdict = "segmentation: segmentation";
 
 /// Messages of one image; faults change them, or send none by clearing `send...`.
 struct Frame {
-  Flow flow;
+  Flow flow, flow_back;
   Image depth;
   sensor_msgs::CameraInfo camera;
   geometry_msgs::TwistWithCovarianceStamped twist;
@@ -42,6 +43,7 @@ class LiveWorld {
  public:
   explicit LiveWorld(ros::NodeHandle& handle)
       : flow_(handle.advertise<Flow>("flow", 10)),
+        flow_back_(handle.advertise<Flow>("flow/backward", 10)),
         depth_(handle.advertise<Image>("depth", 10)),
         camera_(handle.advertise<sensor_msgs::CameraInfo>("camera_info", 10)),
         twist_(handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10)) {
@@ -72,6 +74,7 @@ class LiveWorld {
       frame.twist = VisionWorld::twist(stamp);
       if (!before.isZero()) {
         frame.flow = backward_ ? VisionWorld::flow(stamp, before) : VisionWorld::flow(before, stamp);
+        frame.flow_back = VisionWorld::flow(stamp, before);
       }
       Fault fault;
       {
@@ -82,13 +85,16 @@ class LiveWorld {
       if (frame.send_camera) camera_.publish(frame.camera);
       if (frame.send_twist) twist_.publish(frame.twist);
       if (frame.send_depth) depth_.publish(frame.depth);
-      if (!before.isZero()) flow_.publish(frame.flow);
+      if (!before.isZero()) {
+        flow_back_.publish(frame.flow_back);
+        flow_.publish(frame.flow);
+      }
       before = stamp;
       rate.sleep();
     }
   }
 
-  ros::Publisher flow_, depth_, camera_, twist_;
+  ros::Publisher flow_, flow_back_, depth_, camera_, twist_;
   tf2_ros::StaticTransformBroadcaster broadcaster_;
   std::mutex mutex_;
   Fault fault_;
@@ -180,6 +186,61 @@ TEST_F(SegmentationFaults, TheScoreByUncertaintyFindsTheSame) {
   expectExact(false);
   expectExact(true);
   ASSERT_TRUE(choose("paper"));
+}
+
+// Of the patch, half is seen in every second flow only, or not at all.
+TEST_F(SegmentationFaults, ThePastTellsWhatTheFlowDoesNot) {
+  const auto choose = [](bool look_back, double memory) {
+    dynamic_reconfigure::Reconfigure call;
+    dynamic_reconfigure::StrParameter score;
+    score.name = "score";
+    score.value = look_back || memory > 0.0 ? "uncertainty" : "paper";
+    call.request.config.strs.push_back(score);
+    dynamic_reconfigure::BoolParameter back;
+    back.name = "look_back";
+    back.value = look_back;
+    call.request.config.bools.push_back(back);
+    for (const auto& [name, value] : {std::pair("flow_std", 1.0), std::pair("memory", memory)}) {
+      dynamic_reconfigure::DoubleParameter parameter;
+      parameter.name = name;
+      parameter.value = value;
+      call.request.config.doubles.push_back(parameter);
+    }
+    return ros::service::call("segmentation/set_parameters", call);
+  };
+  // The right half: from there the flow back leads into the patch of the image before.
+  cv::Rect hidden = VisionWorld::patch();
+  hidden.width /= 2;
+  hidden.x += hidden.width;
+  const auto hide = [hidden](Frame& frame) {
+    cv::Mat flow(VisionWorld::kGridHeight, VisionWorld::kGridWidth, CV_32FC2, frame.flow.flow.data.data());
+    flow(hidden).setTo(cv::Scalar::all(std::numeric_limits<double>::quiet_NaN()));
+  };
+  const auto ious = [&](std::size_t count) {
+    std::vector<double> values;
+    const std::size_t before = masks_.count() + 3;
+    EXPECT_TRUE(waitUntil([&] { return masks_.count() >= before + count; }, kPatience));
+    const auto messages = masks_.messages();
+    for (std::size_t i = before; i < messages.size(); ++i) values.push_back(maskIou(*messages[i]));
+    return values;
+  };
+  world_.set(hide);
+  for (const double iou : ious(3)) EXPECT_LT(iou, 0.6);
+  ASSERT_TRUE(choose(true, 0.0));
+  for (const double iou : ious(3)) EXPECT_GT(iou, 0.85);
+
+  ASSERT_TRUE(choose(false, 0.5));
+  auto every_second = std::make_shared<bool>(false);
+  world_.set([hide, every_second](Frame& frame) {
+    *every_second = !*every_second;
+    if (*every_second) hide(frame);
+  });
+  for (const double iou : ious(4)) EXPECT_GT(iou, 0.85);
+  ASSERT_TRUE(choose(false, 0.0));
+  double worst = 1.0;
+  for (const double iou : ious(4)) worst = std::min(worst, iou);
+  EXPECT_LT(worst, 0.6);
+  world_.set({});
 }
 
 // The motion was right before; the image must not spoil it.

@@ -77,7 +77,7 @@ void expectEqual(const MotionParams& params, const MotionParams& expected) {
   EXPECT_EQ(params.depth_std, expected.depth_std);
   EXPECT_EQ(params.next_depth_std, expected.next_depth_std);
   EXPECT_EQ(params.false_alarm, expected.false_alarm);
-  EXPECT_EQ(params.growth, expected.growth);
+  EXPECT_EQ(params.seed, expected.seed);
   EXPECT_EQ(params.radar_azimuth_std, expected.radar_azimuth_std);
   EXPECT_EQ(params.radar_gain, expected.radar_gain);
   EXPECT_EQ(params.radar_radius, expected.radar_radius);
@@ -165,7 +165,7 @@ TEST(VisionParameters, EveryParameterOfTheSegmentationArrives) {
   config.depth_std = expected.depth_std = 0.15;
   config.next_depth_std = expected.next_depth_std = 0.35;
   config.false_alarm = expected.false_alarm = 1e-4;
-  config.growth = expected.growth = 0.875;
+  config.seed = expected.seed = 1.75;
   config.radar_azimuth_std = expected.radar_azimuth_std = 0.02;
   config.radar_gain = expected.radar_gain = 0.75;
   config.radar_radius = expected.radar_radius = 1.25;

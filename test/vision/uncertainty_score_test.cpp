@@ -59,14 +59,22 @@ TEST(UncertaintyTerms, DerivativeByInverseDepth) {
   }
 }
 
+/// J times the unit vector of one of omega and tau.
+terms::PixelShift shiftBy(int component, const Eigen::Vector2d& pixel, double depth) {
+  float unit[6] = {};
+  unit[component] = 1.0F;
+  return terms::byMotion(static_cast<float>(kCamera.fx), static_cast<float>(kCamera.fy),
+                         static_cast<float>((pixel.x() - kCamera.cx) / kCamera.fx),
+                         static_cast<float>((pixel.y() - kCamera.cy) / kCamera.fy),
+                         static_cast<float>(1.0 / depth),
+                         {unit[0], unit[1], unit[2], unit[3], unit[4], unit[5]});
+}
+
 TEST(UncertaintyTerms, DerivativeByMotion) {
   const Eigen::Isometry3d motion = someMotion();
   for (const double depth : {3.0, 60.0}) {
     const Eigen::Vector3d seen = motion * (depth * kCamera.rayOf(250.0, 30.0));
     const Eigen::Vector2d there = kCamera.project(seen);
-    const terms::MotionShift found = terms::byMotion(
-        500.0F, 480.0F, static_cast<float>((there.x() - kCamera.cx) / kCamera.fx),
-        static_cast<float>((there.y() - kCamera.cy) / kCamera.fy), static_cast<float>(1.0 / seen.z()));
     for (int i = 0; i < 6; ++i) {
       constexpr double kStep = 1e-6;
       const auto moved = [&](double step) {
@@ -78,32 +86,39 @@ TEST(UncertaintyTerms, DerivativeByMotion) {
         return kCamera.project(small * seen);
       };
       const Eigen::Vector2d expected = (moved(kStep) - moved(-kStep)) / (2.0 * kStep);
-      EXPECT_NEAR(found.u[i], expected.x(), 1e-3 + 1e-5 * expected.norm()) << i;
-      EXPECT_NEAR(found.v[i], expected.y(), 1e-3 + 1e-5 * expected.norm()) << i;
+      const terms::PixelShift found = shiftBy(i, there, seen.z());
+      EXPECT_NEAR(found.u, expected.x(), 1e-3 + 1e-5 * expected.norm()) << i;
+      EXPECT_NEAR(found.v, expected.y(), 1e-3 + 1e-5 * expected.norm()) << i;
     }
   }
 }
 
 TEST(UncertaintyTerms, SpreadOfTheMotionIsJSigmaJt) {
-  const terms::MotionShift shift = terms::byMotion(500.0F, 480.0F, 0.3F, -0.2F, 0.1F);
+  const Eigen::Vector2d pixel(310.0, 20.0);
   Eigen::Matrix<double, 2, 6> jacobian;
-  for (int i = 0; i < 6; ++i)
-    jacobian.col(i) << static_cast<double>(shift.u[i]), static_cast<double>(shift.v[i]);
+  for (int i = 0; i < 6; ++i) {
+    const terms::PixelShift shift = shiftBy(i, pixel, 10.0);
+    jacobian.col(i) << static_cast<double>(shift.u), static_cast<double>(shift.v);
+  }
   Matrix6 singular = Matrix6::Zero();  // nothing but pitch and the way ahead is uncertain
   singular(0, 0) = 1e-4;
   singular(5, 5) = 0.01;
   for (const Matrix6& covariance : {someCovariance(0.01, 0.1), singular}) {
     const Eigen::Matrix2d expected = jacobian * covariance * jacobian.transpose();
-    terms::Covariance found{1.0F, 0.0F, 1.0F};
-    const terms::MotionSpread spread(covariance);
-    EXPECT_FALSE(spread.none);
-    spread.addTo(shift, found);
-    EXPECT_NEAR(found.uu - 1.0F, expected(0, 0), 1e-4 * expected.norm());
-    EXPECT_NEAR(found.uv, expected(0, 1), 1e-4 * expected.norm());
-    EXPECT_NEAR(found.vv - 1.0F, expected(1, 1), 1e-4 * expected.norm());
+    Eigen::Matrix2d found = Eigen::Matrix2d::Zero();
+    for (const terms::SmallMotion& direction : terms::spreadOf(covariance)) {
+      const terms::PixelShift shift = terms::byMotion(
+          static_cast<float>(kCamera.fx), static_cast<float>(kCamera.fy),
+          static_cast<float>((pixel.x() - kCamera.cx) / kCamera.fx),
+          static_cast<float>((pixel.y() - kCamera.cy) / kCamera.fy), 0.1F, direction);
+      const Eigen::Vector2d moved(static_cast<double>(shift.u), static_cast<double>(shift.v));
+      found += moved * moved.transpose();
+    }
+    EXPECT_NEAR((found - expected).norm(), 0.0, 1e-4 * expected.norm());
   }
-  EXPECT_TRUE(terms::MotionSpread(Matrix6::Zero()).none);
-  EXPECT_THROW(terms::MotionSpread(-Matrix6::Identity()), std::invalid_argument);
+  EXPECT_EQ(terms::spreadOf(singular).size(), 2U);
+  EXPECT_TRUE(terms::spreadOf(Matrix6::Zero()).empty());
+  EXPECT_THROW(terms::spreadOf(-Matrix6::Identity()), std::invalid_argument);
 }
 
 TEST(UncertaintyTerms, SquaredDistance) {
@@ -178,6 +193,8 @@ MotionParams exactModel() {
   params.flow_std = 0.5;
   params.flow_std_relative = 0.02;
   params.depth_std = 0.05;
+  params.false_alarm = 1e-5;
+  params.seed = 1.0;
   params.opening = params.closing = 0;
   params.predicted_in_view = false;
   return params;
@@ -295,14 +312,15 @@ TEST(RadarEvidence, FarFootprintsAreAsWideAsTheBearingIsUncertain) {
   EXPECT_NEAR(static_cast<double>(wide) / narrow, 3.0, 0.3);
 }
 
-TEST(Hysteresis, SeedsGrowIntoWhatIsConnected) {
+TEST(Hysteresis, RegionsWithoutASeedDoNotCount) {
   MotionParams params = exactModel();
+  params.false_alarm = 0.05;
   MotionInput input = wall();
   move(input, {40, 40, 60, 20}, {0.0F, 1.7F});    // weak
   move(input, {40, 40, 10, 20}, {0.0F, 4.0F});    // with a strong end
   move(input, {200, 180, 60, 20}, {0.0F, 1.7F});  // weak only
-  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
-  params.growth = 0.5;
+  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 2400);
+  params.seed = 2.0;
   const cv::Mat mask = MotionSegmenter(params).segment(input).mask.clone();
   EXPECT_EQ(cv::countNonZero(mask), 1200);
   EXPECT_EQ(cv::countNonZero(mask(cv::Rect(40, 40, 60, 20))), 1200);
@@ -319,7 +337,7 @@ TEST(UncertaintyScore, ParametersThatMakeNoSenseAreRefused) {
   refused([](MotionParams& p) { p.depth_std = -0.1; }, "depth_std");
   refused([](MotionParams& p) { p.next_depth_std = 0.0; }, "next_depth_std");
   refused([](MotionParams& p) { p.false_alarm = 0.0; }, "false_alarm");
-  refused([](MotionParams& p) { p.growth = 0.0; }, "growth");
+  refused([](MotionParams& p) { p.seed = 0.5; }, "seed");
   refused([](MotionParams& p) { p.static_gain = -1.0; }, "static_gain");
   MotionInput input = wall();
   input.flow_closure = cv::Mat(4, 4, CV_32FC1);

@@ -21,10 +21,15 @@ struct AblationResult {
   SegmentationReport overall;
 };
 
-/// "paper", "+ uncertainty", "+ refinement", "+ radar evidence", in this order: the paper's score without
-/// radar in the mask; the score by uncertainty, with flow there and back as its noise; the motion refined by
-/// the image; and radar returns that move the threshold, with the gains of `options`, or their defaults where
-/// those are 0. Everything else is as in `options`. Masks are saved by none.
+/// s, of the step "+ memory", where the options have none.
+inline constexpr double kMemory = 0.4;
+
+/// "paper", "+ uncertainty", "+ refinement", "+ radar evidence", "+ look back", "+ memory", in this order:
+/// the paper's score without radar in the mask; the score by uncertainty, with flow there and back as its
+/// noise; the motion refined by the image; radar returns that move the threshold, with the gains of
+/// `options`, or their defaults where those are 0; the pair before; and what the mask before said. The last
+/// two are left out for flow that is no backend's. Everything else is as in `options`. Masks are saved by
+/// none.
 std::vector<AblationStep> ablationSteps(const SegmentationEvaluationOptions& options);
 
 /// Plain-text table: a line for each step; IoU of every scene and overall, precision, recall, F1 and ms per

@@ -53,6 +53,13 @@ struct SegmentationEvaluationOptions {
   MotionUncertainty motion_uncertainty;  ///< for the score by uncertainty, and for `refine`
   bool refine = false;                   ///< the motion by the image (refineMotion), and the ground by it
   RefinementParams refinement;
+  /// The first image is also seen together with the one before it (MotionSegmenter::segment): the keyframe
+  /// before, or with pairs "next" the image before. Needs a flow backend and the score by uncertainty.
+  bool look_back = false;
+  /// s, after which a belief is worth 1 / e: what the latest mask says of a pixel is carried to the next one
+  /// (carriedBelief), where the latest pair ends with the first image of the next. 0 = off. Needs a flow
+  /// backend and the score by uncertainty.
+  double memory = 0.0;
   /// Movers whose residual of the true flow is smaller do not count (neither right nor wrong), px of the full
   /// image; nor do road users that move too slowly for their annotation to say so. 0 = all count. Needs the
   /// ground truth of a simulated dataroot.

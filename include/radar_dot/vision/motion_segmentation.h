@@ -43,7 +43,10 @@ struct MotionParams {
   /// Probability that a static pixel is above the threshold, were the uncertainties exact. What they leave
   /// out is measured in every image: where the median of the score is larger than theirs, the threshold grows
   /// with it.
-  double false_alarm = 1e-5;
+  double false_alarm = 1e-3;
+  /// Hysteresis: a region above the threshold counts where a part of it that stands the opening is above this
+  /// multiple of it; 1 = off.
+  double seed = 2.0;
 
   /// A predicted point farther than the depth seen there by this share of its own depth is hidden in the
   /// second image. Well above the depth errors, so that a mover that comes nearer is not taken for an
@@ -65,14 +68,12 @@ struct MotionParams {
   /// Divisor of the score within the footprint of static radar returns, and in that of none that moves, is 1
   /// + this; 0 = off.
   double static_gain = 0.0;
-  /// Share of the threshold that pixels connected with one above it must reach to join it: hysteresis; 1 =
-  /// off.
-  double growth = 1.0;
 };
 /// @throws std::invalid_argument naming the parameter that makes no sense.
 void validate(const MotionParams& params);
 
-/// One pair of images, on one grid.
+/// One pair of images, at t-1 and t, on one grid. Seen from the second image (motion_history.h) t is the
+/// earlier time.
 struct MotionInput {
   CameraIntrinsics camera;   ///< of the grid
   double pixel_scale = 1.0;  ///< px of the full image per px of the grid
@@ -90,6 +91,9 @@ struct MotionInput {
   /// Of a small motion (omega, tau) after T_current_from_previous, X -> X + omega x X + tau: rad^2, rad m,
   /// m^2, camera frame at t. For the score by uncertainty.
   Eigen::Matrix<double, 6, 6> motion_covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  /// CV_32FC1, log-odds that a pixel moves, from the images before (carriedBelief); NaN: nothing is known;
+  /// empty: nowhere. For the score by uncertainty.
+  cv::Mat belief;
 };
 
 /// Outcome of one pair, on the grid of the input. The images belong to the segmenter until its next call.
@@ -100,6 +104,7 @@ struct MotionResult {
   double median_depth = 0.0;  ///< m, the paper's Z~
   double median = 0.0;        ///< of S
   double mad = 0.0;           ///< of S; 0 with the score by uncertainty
+  double scale = 1.0;         ///< by which scores are larger than the uncertainties say, 1 or more
   double threshold = 0.0;     ///< tau
   std::size_t valid_count = 0;
 };
@@ -121,8 +126,15 @@ class MotionSegmenter {
   MotionSegmenter(MotionSegmenter&&) noexcept;
   MotionSegmenter& operator=(MotionSegmenter&&) noexcept;
 
-  /// @throws std::invalid_argument for images of other types or sizes than the camera's grid.
-  const MotionResult& segment(const MotionInput& input);
+  /// @param before  the first image together with the one before it, seen from the first image
+  ///                (seenFromSecond), with the same camera, depth and returns; or null. A pixel that the
+  ///                second image does not show any more, or whose flow is wrong, may be seen well there. Its
+  ///                score is the root mean square of the two, each over its own scale; or the one that there
+  ///                is. The threshold stays that of one: their errors are partly the same. Score by
+  ///                uncertainty only.
+  /// @throws std::invalid_argument for images of other types or sizes than the camera's grid, and `before` or
+  ///         a belief with the paper's score.
+  const MotionResult& segment(const MotionInput& input, const MotionInput* before = nullptr);
   const MotionParams& params() const noexcept { return params_; }
 
  private:

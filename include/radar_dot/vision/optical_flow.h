@@ -20,6 +20,8 @@ struct FlowField {
   /// CV_32FC1, px OF THIS GRID: gap between flow there and back, NaN where it leaves the image. Empty without
   /// forward_backward.
   cv::Mat closure = {};
+  /// CV_32FC2, px OF THIS GRID: from the second image to the first. Empty without forward_backward.
+  cv::Mat backward = {};
 };
 
 /// Parameters of makeOpticalFlow; a backend ignores what it does not know.
@@ -75,6 +77,10 @@ using OpticalFlowFactory = std::function<std::unique_ptr<OpticalFlow>(const Opti
 void registerOpticalFlow(const std::string& backend, OpticalFlowFactory factory);
 /// Names of the backends at hand, sorted.
 std::vector<std::string> opticalFlowBackends();
+
+/// The flow back of a field that was computed with forward_backward, with its own gap.
+/// @throws std::invalid_argument where the field has none
+FlowField backwardField(const FlowField& field, const OpticalFlowParams& params);
 
 /// 255 where forward and backward flow (CV_32FC2, same size) close: the paper's "unreliable correspondences"
 /// are the others. A pixel whose flow leaves the image, or is not finite, is not valid.

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "radar_dot/vision/camera_intrinsics.h"
 #include "radar_dot/vision/motion_terms.h"
@@ -43,16 +44,18 @@ inline PixelShift byInverseDepth(const motion_terms::PixelMotion& motion, float 
           (motion.h[1] - predicted.v * motion.h[2]) * over_w};
 }
 
-/// Derivatives of (u', v') by a small motion applied after the given one, X -> X + omega x X + tau: px per
-/// rad and px per m, in the order omega_x, omega_y, omega_z, tau_x, tau_y, tau_z of the camera frame at t.
-/// With x = (u' - cx) / fx, y = (v' - cy) / fy and q = 1 / Z_est:
-///     du' = fx (-x y, 1 + x^2, -y, q, 0, -x q),    dv' = fy (-1 - y^2, x y, x, 0, q, -y q).
-struct MotionShift {
-  float u[6], v[6];
+/// X -> X + omega x X + tau, in the camera frame at t; rad and m.
+struct SmallMotion {
+  float omega_x = 0.0F, omega_y = 0.0F, omega_z = 0.0F, tau_x = 0.0F, tau_y = 0.0F, tau_z = 0.0F;
 };
-inline MotionShift byMotion(float fx, float fy, float x, float y, float q) {
-  return {{-fx * x * y, fx * (1.0F + x * x), -fx * y, fx * q, 0.0F, -fx * x * q},
-          {-fy * (1.0F + y * y), fy * x * y, fy * x, 0.0F, fy * q, -fy * y * q}};
+
+/// By how much a small motion after the given one shifts (u', v'), px, to first order: J (omega, tau). With
+/// x = (u' - cx) / fx, y = (v' - cy) / fy and q = 1 / Z_est, J is
+///     fx (-x y, 1 + x^2, -y, q, 0, -x q),    fy (-1 - y^2, x y, x, 0, q, -y q).
+inline PixelShift byMotion(float fx, float fy, float x, float y, float q, const SmallMotion& motion) {
+  const float radial = x * motion.omega_y - y * motion.omega_x - q * motion.tau_z;
+  return {fx * (x * radial + motion.omega_y - y * motion.omega_z + q * motion.tau_x),
+          fy * (y * radial - motion.omega_x + x * motion.omega_z + q * motion.tau_y)};
 }
 
 /// A covariance of (u', v'), px^2.
@@ -60,27 +63,10 @@ struct Covariance {
   float uu = 0.0F, uv = 0.0F, vv = 0.0F;
 };
 
-/// J Sigma J^T with Sigma = L L^T: the sum of the squares of J L. L is lower-triangular, the Cholesky factor
-/// of the covariance of (omega, tau).
-struct MotionSpread {
-  explicit MotionSpread(const Eigen::Matrix<double, 6, 6>& covariance);
-  bool none = true;  ///< the motion is exact
-  float lower[6][6] = {};
-
-  void addTo(const MotionShift& shift, Covariance& covariance) const {
-    for (int column = 0; column < 6; ++column) {
-      float u = 0.0F;
-      float v = 0.0F;
-      for (int row = column; row < 6; ++row) {
-        u += shift.u[row] * lower[row][column];
-        v += shift.v[row] * lower[row][column];
-      }
-      covariance.uu += u * u;
-      covariance.uv += u * v;
-      covariance.vv += v * v;
-    }
-  }
-};
+/// Small motions L whose squares make the covariance of (omega, tau), Sigma = sum L L^T, so that J Sigma J^T
+/// is the sum of the squares of the shifts by each. As many as Sigma has directions that are not exact.
+/// @throws std::invalid_argument for a matrix that is no covariance
+std::vector<SmallMotion> spreadOf(const Eigen::Matrix<double, 6, 6>& covariance);
 
 /// r^T Sigma^-1 r.
 inline float squaredDistance(float r_u, float r_v, const Covariance& covariance) {

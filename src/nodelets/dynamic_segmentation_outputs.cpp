@@ -1,0 +1,98 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What DynamicSegmentationNodelet tells the world.
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "dynamic_segmentation_nodelet.h"
+
+namespace radar_dot {
+namespace {
+
+/// |flow - expected|, px; NaN where either is unknown.
+cv::Mat residualOf(const cv::Mat& flow, const cv::Mat& expected) {
+  cv::Mat residual(flow.size(), CV_32FC1);
+  for (int row = 0; row < flow.rows; ++row) {
+    const auto* observed = flow.ptr<cv::Vec2f>(row);
+    const auto* predicted = expected.ptr<cv::Vec2f>(row);
+    auto* values = residual.ptr<float>(row);
+    for (int column = 0; column < flow.cols; ++column) {
+      const cv::Vec2f difference = observed[column] - predicted[column];
+      values[column] = std::hypot(difference[0], difference[1]);
+    }
+  }
+  return residual;
+}
+
+}  // namespace
+
+void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MotionResult& result) {
+  const std_msgs::Header& header = inputs.flow->header;
+  const cv::Size image(static_cast<int>(inputs.flow->image_width),
+                       static_cast<int>(inputs.flow->image_height));
+  const cv::Size size = config_.full_size ? image : result.mask.size();
+  if (mask_publisher_.getNumSubscribers() > 0)
+    mask_publisher_.publish(imageMessage(header, "mono8", resizedNearest(result.mask, size)));
+  if (valid_publisher_.getNumSubscribers() > 0)
+    valid_publisher_.publish(imageMessage(header, "mono8", resizedNearest(result.valid, size)));
+  if (score_publisher_.getNumSubscribers() > 0)
+    score_publisher_.publish(imageMessage(header, "32FC1", result.score));
+  const bool wants_residual = residual_publisher_.getNumSubscribers() > 0;
+  if (!wants_residual && expected_flow_publisher_.getNumSubscribers() == 0) return;
+  const cv::Mat expected =
+      expectedFlow(inputs.motion.camera, inputs.motion.T_current_from_previous, inputs.motion.depth);
+  expected_flow_publisher_.publish(imageMessage(header, "32FC2", expected));
+  if (wants_residual)
+    residual_publisher_.publish(imageMessage(header, "32FC1", residualOf(inputs.motion.flow, expected)));
+}
+
+void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const ros::WallTime now = ros::WallTime::now();
+  const double without_mask = std::min((now - last_mask_).toSec(), (now - connected_since_).toSec());
+  if (!connected()) {
+    status.summary(DiagnosticStatus::OK, "nobody wants masks");
+  } else if (dropped_since_report_ > 0) {
+    status.summaryf(masks_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
+                    "%zu flows without a mask: %s", dropped_since_report_, drop_reason_.c_str());
+  } else if (without_mask > silentAfter()) {
+    status.summaryf(DiagnosticStatus::ERROR, "no mask for %.1f s", without_mask);
+  } else if (masks_since_report_ > 0 && valid_share_ == 0.0) {
+    status.summary(DiagnosticStatus::WARN, "no pixel has both depth and flow");
+  } else {
+    status.summaryf(DiagnosticStatus::OK, "%zu masks in the last second", masks_since_report_);
+  }
+  if (without_next_depth_since_report_ > 0) {
+    status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without the depth of the second image",
+                         without_next_depth_since_report_);
+  }
+  if (without_rotation_since_report_ > 0) {
+    status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without a rotation from %s",
+                         without_rotation_since_report_, motion_->rotationText().c_str());
+  }
+  // The first mask of a stream has no past.
+  if (looksBack() && masks_since_report_ > 1 && without_past_since_report_ >= masks_since_report_) {
+    status.mergeSummaryf(DiagnosticStatus::WARN,
+                         "masks do not look back: nothing on '%s' goes with the flow (forward_backward, "
+                         "direction forward)",
+                         backward_input_->topic().c_str());
+  }
+  status.add("rotation", motion_->rotationText());
+  status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
+  status.addf("latency (ms)", "%.1f", 1e3 * latency_);
+  status.addf("valid share", "%.3f", valid_share_);
+  status.addf("dynamic share", "%.4f", mask_share_);
+  status.addf("median of the score", "%.3f", median_);
+  status.addf("MAD of the score", "%.3f", mad_);
+  status.addf("threshold", "%.3f", threshold_);
+  status.addf("flows waiting", "%zu", waiting_.size());
+  status.addf("masks", "%zu", masks_);
+  status.addf("flows dropped", "%zu", dropped_);
+  status.add("last drop", drop_reason_);
+  masks_since_report_ = dropped_since_report_ = 0;
+  without_rotation_since_report_ = without_next_depth_since_report_ = without_past_since_report_ = 0;
+}
+
+}  // namespace radar_dot

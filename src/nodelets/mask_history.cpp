@@ -1,0 +1,55 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mask_history.h"
+
+#include "image_messages.h"
+#include "radar_dot/vision/motion_history.h"
+
+namespace radar_dot {
+
+void MaskHistory::remember(const PairInputs& pair, const MotionResult& result) {
+  latest_ = pair;
+  log_odds_ = logOdds(result);
+}
+
+void MaskHistory::clear() {
+  backward_.clear();
+  latest_.reset();
+  log_odds_.release();
+}
+
+/// From the first image of a pair to that of the latest one; empty where there is none.
+MaskHistory::Backward MaskHistory::backwardTo(const PairInputs& pair) const {
+  if (!latest_ || latest_->flow->second_stamp != pair.flow->header.stamp) return {};
+  const FlowConstPtr message = backward_.find(pair.flow->header.stamp);
+  if (!message || message->second_stamp != latest_->flow->header.stamp) return {};
+  const FlowField field = flowOf(*message);
+  // Where the grid was changed meanwhile, there is no past.
+  const cv::Size grid = pair.motion.flow.size();
+  if (field.flow.size() != grid || latest_->motion.flow.size() != grid) return {};
+  return {field.flow, field.closure};
+}
+
+std::optional<MotionInput> MaskHistory::pairBefore(const PairInputs& pair) const {
+  const Backward backward = backwardTo(pair);
+  if (backward.flow.empty()) return std::nullopt;
+  MotionInput seen = seenFromSecond(latest_->motion, backward.flow, backward.closure);
+  seen.depth = pair.motion.depth;
+  seen.depth_std = pair.motion.depth_std;
+  seen.dynamic_points = pair.motion.dynamic_points;
+  seen.static_points = pair.motion.static_points;
+  return seen;
+}
+
+cv::Mat MaskHistory::beliefFor(const PairInputs& pair, double memory) const {
+  if (!latest_ || log_odds_.size() != pair.motion.flow.size()) return {};
+  const ros::Time stamp = pair.flow->header.stamp;
+  const ros::Time stamp_before = latest_->flow->header.stamp;
+  // Flow that runs back in time leads from the first image of a pair to that of the pair before by itself.
+  const bool runs_back = pair.flow->second_stamp == stamp_before && stamp_before < stamp;
+  const cv::Mat flow = runs_back ? pair.motion.flow : backwardTo(pair).flow;
+  if (flow.empty()) return {};
+  return carriedBelief(log_odds_, flow, forgetting((stamp - stamp_before).toSec(), memory));
+}
+
+}  // namespace radar_dot

@@ -1,0 +1,67 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/vision/motion_history.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "parallel_rows.h"
+#include "radar_dot/vision/motion_terms.h"
+#include "radar_dot/vision/rigid_motion.h"
+
+namespace radar_dot {
+
+MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const cv::Mat& closure) {
+  MotionInput seen;
+  seen.camera = pair.camera;
+  seen.pixel_scale = pair.pixel_scale;
+  seen.T_current_from_previous = pair.T_current_from_previous.inverse();
+  // inv(D T) = (inv(T) inv(D) T) inv(T): a small motion after T is one after inv(T), of points that T took
+  // along, and as uncertain.
+  seen.motion_covariance = cameraCovariance(pair.T_current_from_previous, pair.motion_covariance);
+  seen.flow = flow;
+  seen.flow_closure = closure;
+  seen.depth = pair.next_depth;
+  seen.next_depth = pair.depth;
+  return seen;
+}
+
+cv::Mat logOdds(const MotionResult& result) {
+  const auto tau = static_cast<float>(result.threshold);
+  const auto over_scale = static_cast<float>(1.0 / result.scale);
+  cv::Mat odds(result.score.size(), CV_32FC1);
+  parallelRows(odds.rows, [&](int row) {
+    const float* scores = result.score.ptr<float>(row);
+    float* out = odds.ptr<float>(row);
+    for (int column = 0; column < odds.cols; ++column) {
+      // In this order the bounds leave NaN as it is.
+      out[column] = std::max(std::min((scores[column] - tau) * over_scale, kMostBelief), -kMostBelief);
+    }
+  });
+  return odds;
+}
+
+cv::Mat carriedBelief(const cv::Mat& log_odds, const cv::Mat& flow_back, double share) {
+  if (log_odds.type() != CV_32FC1 || flow_back.type() != CV_32FC2 || log_odds.size() != flow_back.size() ||
+      log_odds.rows < 2 || log_odds.cols < 2) {
+    throw std::invalid_argument(
+        "belief: log_odds must be CV_32FC1 and flow_back CV_32FC2, of the same size, 2 x 2 px or more");
+  }
+  const motion_terms::FloatImage before(log_odds);
+  const auto left = static_cast<float>(share);
+  cv::Mat carried(log_odds.size(), CV_32FC1);
+  parallelRows(carried.rows, [&](int row) {
+    const auto* flow = flow_back.ptr<cv::Vec2f>(row);
+    float* out = carried.ptr<float>(row);
+    for (int column = 0; column < carried.cols; ++column) {
+      out[column] = left * motion_terms::bilinear(before, static_cast<float>(column) + flow[column][0],
+                                                  static_cast<float>(row) + flow[column][1]);
+    }
+  });
+  return carried;
+}
+
+double forgetting(double dt, double memory) { return memory > 0.0 ? std::exp(-std::abs(dt) / memory) : 0.0; }
+
+}  // namespace radar_dot
