@@ -45,7 +45,9 @@ std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
       throw std::invalid_argument("its fields are " + fieldNames(fields) + "; x, y and z are needed");
     }
   }
-  const PointField* residual = readableField(fields, view, "residual");
+  // Where a cloud had a residual of its own before, ours has another name.
+  const PointField* residual = readableField(fields, view, "ego_residual");
+  if (residual == nullptr) residual = readableField(fields, view, "residual");
   const auto read = [](const std::uint8_t* data, const PointField& field) {
     return static_cast<float>(readScalar(data + field.offset, field.type));
   };

@@ -21,7 +21,7 @@ namespace radar_dot {
 /// A point of a cloud.
 struct CloudPoint {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< m
-  /// m/s, field `residual` of radar/static and radar/dynamic; NaN where there is none.
+  /// m/s, field `ego_residual` or `residual` of radar/static and radar/dynamic; NaN where there is none.
   float residual = std::numeric_limits<float>::quiet_NaN();
 };
 

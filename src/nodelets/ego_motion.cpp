@@ -52,10 +52,19 @@ EgoMotion::Answer EgoMotion::between(const ros::Time& begin, const ros::Time& en
   }
   answer.T_begin_from_end =
       twists_.motion(begin.toSec(), end.toSec(), max_hold, answer.missing, R_begin_from_end);
-  if (!answer.T_begin_from_end && !unobserved_.empty()) {
-    answer.missing += "; the latest twists do not observe " + unobserved_;
-  }
+  if (!answer.T_begin_from_end) answer.missing = explained(answer.missing);
   return answer;
+}
+
+std::optional<StampedVelocity> EgoMotion::velocityAt(const ros::Time& time, double max_hold,
+                                                     std::string& missing) const {
+  std::optional<StampedVelocity> velocity = twists_.mean(time.toSec(), time.toSec(), max_hold, missing);
+  if (!velocity) missing = explained(missing);
+  return velocity;
+}
+
+std::string EgoMotion::explained(const std::string& missing) const {
+  return unobserved_.empty() ? missing : missing + "; the latest twists do not observe " + unobserved_;
 }
 
 void EgoMotion::forget() {

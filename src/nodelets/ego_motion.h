@@ -47,11 +47,17 @@ class EgoMotion {
   /// @param max_hold  s that the latest twist is taken to hold
   /// @param patient   true: without a rotation at both times there is no answer yet; false: the twists' own
   Answer between(const ros::Time& begin, const ros::Time& end, double max_hold, bool patient);
+  /// Velocity of the vehicle at `time`, from the twists alone; none: see `missing`.
+  std::optional<StampedVelocity> velocityAt(const ros::Time& time, double max_hold,
+                                            std::string& missing) const;
   void forget();
   /// "odometry on '/rotation/odom'", or "yaw rate of the radars".
   std::string rotationText() const;
 
  private:
+  /// With what the latest twists do not observe.
+  std::string explained(const std::string& missing) const;
+
   Extrinsics& extrinsics_;
   std::function<void()> changed_;
   std::function<void(const std::string&)> warn_;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rotation_source.h"
 
-#include <nav_msgs/Odometry.h>
 #include <sensor_msgs/Imu.h>
 
 #include <cmath>
@@ -69,22 +68,12 @@ class OdometrySource : public RotationSource {
 
  private:
   void onOdometry(const nav_msgs::Odometry& odometry) {
-    const geometry_msgs::Quaternion& q = odometry.pose.pose.orientation;
-    const geometry_msgs::Point& p = odometry.pose.pose.position;
-    PoseSample sample;
-    sample.time = odometry.header.stamp.toSec();
-    sample.rotation = Eigen::Quaterniond(q.w, q.x, q.y, q.z);
-    sample.position = {p.x, p.y, p.z};
-    const double norm = sample.rotation.norm();
-    if (!(std::abs(norm - 1.0) < 0.1) || !sample.position.allFinite()) {
-      throw std::invalid_argument("it has no unit quaternion or no finite position");
-    }
+    const PoseSample sample = poseOf(odometry);
     if (gate_.check(odometry.header.stamp) == StampGuard::Verdict::kRestart) buffer_.clear();
     if (!odometry.child_frame_id.empty() && odometry.child_frame_id != base_frame_) {
       callbacks_.warn(describe() + ": its child frame is '" + odometry.child_frame_id + "', not '" +
                       base_frame_ + "'; its rotation is taken as that of '" + base_frame_ + "'");
     }
-    sample.rotation.normalize();
     frame_ = odometry.header.frame_id;
     buffer_.add(sample);
     callbacks_.sample();
@@ -184,6 +173,21 @@ class TfSource : public RotationSource {
 };
 
 }  // namespace
+
+PoseSample poseOf(const nav_msgs::Odometry& odometry) {
+  const geometry_msgs::Quaternion& q = odometry.pose.pose.orientation;
+  const geometry_msgs::Point& p = odometry.pose.pose.position;
+  PoseSample sample;
+  sample.time = odometry.header.stamp.toSec();
+  sample.rotation = Eigen::Quaterniond(q.w, q.x, q.y, q.z);
+  sample.position = {p.x, p.y, p.z};
+  const double norm = sample.rotation.norm();
+  if (!(std::abs(norm - 1.0) < 0.1) || !sample.position.allFinite()) {
+    throw std::invalid_argument("it has no unit quaternion or no finite position");
+  }
+  sample.rotation.normalize();
+  return sample;
+}
 
 std::unique_ptr<RotationSource> makeRotationSource(const std::string& name, ros::NodeHandle& handle,
                                                    ros::NodeHandle& private_handle, Extrinsics& extrinsics,

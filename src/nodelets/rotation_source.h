@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 
 #include <functional>
@@ -41,6 +42,9 @@ class RotationSource {
   /// One line for logs: what the source listens to.
   virtual std::string describe() const = 0;
 };
+
+/// The pose of a message. @throws std::invalid_argument where it has no unit quaternion or is not finite.
+PoseSample poseOf(const nav_msgs::Odometry& odometry);
 
 /// "odometry" (nav_msgs/Odometry on rotation/odom), "imu" (sensor_msgs/Imu on rotation/imu: its
 /// yaw rate), "tf" (private parameter rotation_fixed_frame), or "radar": none, the twist's own yaw

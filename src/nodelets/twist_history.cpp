@@ -72,12 +72,11 @@ std::optional<StampedVelocity> TwistHistory::mean(double begin, double end, doub
     return std::nullopt;
   }
   if (end - velocities_.back().time > max_hold) {
-    missing = "the latest velocity is " + seconds(end - velocities_.back().time) + " older than the image";
+    missing = "the latest velocity is " + seconds(end - velocities_.back().time) + " before the stamp";
     return std::nullopt;
   }
   if (velocities_.front().time - begin > max_hold) {
-    missing =
-        "the first velocity is " + seconds(velocities_.front().time - begin) + " younger than the image";
+    missing = "the first velocity is " + seconds(velocities_.front().time - begin) + " after the stamp";
     return std::nullopt;
   }
   // The trapezoidal rule is exact on what is linear between these times.

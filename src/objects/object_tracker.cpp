@@ -98,6 +98,11 @@ void ObjectTracker::reset() {
   newest_ = kNever;
 }
 
+void ObjectTracker::configure(const ObjectTrackerParams& params) {
+  validate(params);
+  params_ = params;
+}
+
 ObjectTracker::Measurement ObjectTracker::measurementOf(const ObjectDetection& detection,
                                                         const Eigen::Isometry3d& T_odom_from_base) {
   const double yaw = std::atan2(T_odom_from_base.linear()(1, 0), T_odom_from_base.linear()(0, 0));
@@ -183,13 +188,19 @@ void ObjectTracker::correct(const Measurement& measurement, ObjectTrack& track) 
   track.state += gain * innovation.value;
   const Eigen::Matrix4d rest = Eigen::Matrix4d::Identity() - gain * innovation.H;
   track.covariance = rest * track.covariance * rest.transpose() + gain * innovation.R * gain.transpose();
-  const ObjectDetection& detection = *measurement.detection;
   ++track.hits;
   track.last_hit = std::max(track.last_hit, measurement.time);
-  if (detection.moving) track.last_moving = std::max(track.last_moving, measurement.time);
-  track.return_count = detection.return_count;
+  if (measurement.detection->moving) track.last_moving = std::max(track.last_moving, measurement.time);
+  note(measurement, track);
+}
+
+void ObjectTracker::note(const Measurement& measurement, ObjectTrack& track) {
+  const ObjectDetection& detection = *measurement.detection;
+  if (detection.return_count > 0) track.return_count = detection.return_count;
+  if (detection.box.empty()) return;
+  track.box = detection.box;
   track.pixel_count = detection.pixel_count;
-  if (!detection.box.empty()) track.box = detection.box;
+  track.last_image = measurement.time;
 }
 
 bool ObjectTracker::isOneBody(const ObjectTrack& track, const Eigen::Vector4d& apart,
@@ -234,9 +245,7 @@ void ObjectTracker::start(const Measurement& measurement, std::size_t radar) {
   track.state.head<2>() = measurement.value.head<2>();
   // The prior is about the unknown part alone: it does not pull the known one towards zero.
   track.state.tail<2>() = measurement.value.tail<2>();
-  track.return_count = measurement.detection->return_count;
-  track.pixel_count = measurement.detection->pixel_count;
-  track.box = measurement.detection->box;
+  note(measurement, track);
   candidates_.push_back(candidate);
 }
 

@@ -51,6 +51,13 @@ TEST(PointsOf, ReadsPositionsByNameAndTheResidual) {
   EXPECT_EQ(points[1].residual, -0.25F);
 }
 
+TEST(PointsOf, OurResidualCountsWhereTheCloudHadOneBefore) {
+  const std::vector<CloudPoint> points =
+      pointsOf(cloudOf({"x", "y", "z", "residual", "ego_residual"}, {1.F, 2.F, 3.F, 9.F, 0.5F}));
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_EQ(points[0].residual, 0.5F);
+}
+
 TEST(PointsOf, WithoutAResidualItIsNotANumber) {
   const std::vector<CloudPoint> points = pointsOf(cloudOf({"x", "y", "z", "rcs"}, {1.F, 2.F, 3.F, 4.F}));
   ASSERT_EQ(points.size(), 1U);

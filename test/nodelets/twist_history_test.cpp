@@ -139,9 +139,9 @@ TEST(TwistHistory, AVelocityHoldsForALimitedTime) {
                       : history.motion(begin, end, kHold, missing);
     };
     EXPECT_FALSE(motion(10.75, 11.5));
-    EXPECT_EQ(missing, "the latest velocity is 0.50 s older than the image");
+    EXPECT_EQ(missing, "the latest velocity is 0.50 s before the stamp");
     EXPECT_FALSE(motion(9.5, 10.5));
-    EXPECT_EQ(missing, "the first velocity is 0.50 s younger than the image");
+    EXPECT_EQ(missing, "the first velocity is 0.50 s after the stamp");
   }
   EXPECT_TRUE(history.motion(10.75, 11.5, 0.6, missing)) << "with a longer hold";
   EXPECT_FALSE(history.motion(10.0, 11.01, 0.0, missing)) << "with none";
@@ -187,7 +187,7 @@ TEST(TwistHistory, OldVelocitiesAreDropped) {
   std::string missing;
   EXPECT_TRUE(history.motion(11.0, 13.0, 0.0, missing)) << missing;
   EXPECT_FALSE(history.motion(10.9, 13.0, 0.0, missing));
-  EXPECT_EQ(missing, "the first velocity is 0.10 s younger than the image");
+  EXPECT_EQ(missing, "the first velocity is 0.10 s after the stamp");
 }
 
 TEST(TwistHistory, OnlyLaterVelocitiesAreTaken) {

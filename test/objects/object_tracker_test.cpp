@@ -224,5 +224,56 @@ TEST(ObjectTracker, RefusesParametersWithoutSense) {
   EXPECT_THROW(ObjectTracker{params}, std::invalid_argument);
 }
 
+TEST(ObjectTracker, OtherParametersKeepTheTracks) {
+  ObjectWorld world;
+  world.movers = {{{30.0, 4.0}, {6.0, 0.5}}};
+  ObjectTracker tracker;
+  world.run(tracker, 0.0, 1.0);
+  ASSERT_EQ(tracker.moving(1.0).size(), 1U);
+  const std::uint64_t id = tracker.moving(1.0)[0].id;
+  ObjectTrackerParams params;
+  params.acceleration_std = 1.0;
+  tracker.configure(params);
+  EXPECT_EQ(tracker.params().acceleration_std, 1.0);
+  world.run(tracker, 1.0, 1.5);
+  ASSERT_EQ(tracker.moving(1.5).size(), 1U);
+  EXPECT_EQ(tracker.moving(1.5)[0].id, id);
+  params.gate = -1.0;
+  EXPECT_THROW(tracker.configure(params), std::invalid_argument);
+  EXPECT_EQ(tracker.params().gate, ObjectTrackerParams{}.gate) << "what is refused changes nothing";
+}
+
+// Radars see more often than images: they must not make the box forgotten, nor a box the returns.
+TEST(ObjectTracker, RemembersTheLatestImageAndTheLatestReturns) {
+  ObjectDetection seen;
+  seen.position = {20.0, 0.0};
+  seen.position_covariance = 0.25 * Eigen::Matrix2d::Identity();
+  seen.velocity = {5.0, 0.0};
+  seen.velocity_covariance = 0.1 * Eigen::Matrix2d::Identity();
+  seen.return_count = 4;
+  ObjectTracker tracker;
+  const auto update = [&](double time) {
+    seen.position.x() = 20.0 + 5.0 * time;
+    ASSERT_TRUE(tracker.update(time, 0, {seen}, Eigen::Isometry3d::Identity()));
+  };
+  update(0.0);
+  ASSERT_EQ(tracker.all().size(), 1U);
+  EXPECT_FALSE(std::isfinite(tracker.all()[0].last_image));
+  seen.return_count = 0;
+  seen.box = {10, 20, 30, 40};
+  seen.pixel_count = 700;
+  update(0.1);
+  seen.return_count = 2;
+  seen.box = {};
+  seen.pixel_count = 0;
+  update(0.2);
+  ASSERT_EQ(tracker.all().size(), 1U);
+  const ObjectTrack track = tracker.all()[0];
+  EXPECT_EQ(track.last_image, 0.1);
+  EXPECT_EQ(track.box.width, 30);
+  EXPECT_EQ(track.pixel_count, 700U);
+  EXPECT_EQ(track.return_count, 2U);
+}
+
 }  // namespace
 }  // namespace radar_dot

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "radar_dot/objects/object_detection.h"
@@ -57,8 +58,11 @@ struct ObjectTrack {
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  ///< of `state`
   std::size_t hits = 0;                                      ///< detections so far
   bool confirmed = false;
-  std::size_t return_count = 0, pixel_count = 0;  ///< of the latest detection
-  ImageBox box;                                   ///< of the latest detection with an image
+  std::size_t return_count = 0;  ///< of the latest detection with returns
+  /// s, of the latest detection with an image; minus infinity: there was none. Box and count are of it.
+  double last_image = -std::numeric_limits<double>::infinity();
+  std::size_t pixel_count = 0;
+  ImageBox box;
 
   Eigen::Vector2d position() const { return state.head<2>(); }
   Eigen::Vector2d velocity() const { return state.tail<2>(); }
@@ -103,6 +107,9 @@ class ObjectTracker {
   std::vector<ObjectTrack> all() const;
 
   void reset();  ///< forgets all tracks; ids go on
+  /// Goes on with other parameters; tracks stay. @throws std::invalid_argument see validate, without any
+  /// change
+  void configure(const ObjectTrackerParams& params);
   const ObjectTrackerParams& params() const noexcept { return params_; }
 
  private:
@@ -117,6 +124,7 @@ class ObjectTracker {
   void associate(std::vector<Measurement>& measurements, bool confirmed, bool moving,
                  std::vector<bool>& updated);
   void correct(const Measurement& measurement, ObjectTrack& track) const;
+  static void note(const Measurement& measurement, ObjectTrack& track);
   bool isOneBody(const ObjectTrack& track, const Eigen::Vector4d& apart,
                  const Eigen::Matrix2d& velocity_covariance) const;
   bool isAbsorbed(const Measurement& measurement) const;

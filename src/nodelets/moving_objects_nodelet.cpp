@@ -1,0 +1,349 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "moving_objects_nodelet.h"
+
+#include <algorithm>
+#include <limits>
+#include <pluginlib/class_list_macros.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "object_parameters.h"
+#include "radar_dot/objects/object_detection.h"
+
+namespace radar_dot {
+namespace {
+
+constexpr double kWaitingPeriod = 0.05;  // s, how often waiting scans and masks are looked at
+constexpr double kMaxSilence = 0.15;     // s of scans without a message
+constexpr double kStartPatience = 1.0;   // s, until odometry and velocity are there at the start
+constexpr std::uint32_t kOdometryQueue = 20;
+// The camera's number among the radars of the tracker.
+constexpr std::size_t kMaskSource = std::numeric_limits<std::size_t>::max();
+
+}  // namespace
+
+void MovingObjectsNodelet::onInit() {
+  setUp("objects");
+  ros::NodeHandle& handle = getNodeHandle();
+  ros::NodeHandle& private_handle = getPrivateNodeHandle();
+  extrinsics_ =
+      std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
+  motion_ = std::make_unique<EgoMotion>(
+      *extrinsics_, [] {}, [](const std::string&) {}, true);
+  const auto frame = private_handle.param<std::string>("frame", "odom");
+  in_base_frame_ = frame == "base";
+  if (!in_base_frame_ && frame != "odom")
+    reportProblem("frame '" + frame + "' is not one of odom, base; using odom");
+
+  objects_publisher_ = handle.advertise<MovingObjects>("dynamic/objects", 10);
+  markers_publisher_ = handle.advertise<visualization_msgs::MarkerArray>("dynamic/markers", 10);
+  setUpInputs();
+  server_ = serve<MovingObjectsConfig>([](const MovingObjectsConfig& config) { validate(config); },
+                                       [this](const MovingObjectsConfig& config) { configure(config); },
+                                       {{"min_coast", "max_coast"}, {"min_body_length", "max_body_length"}});
+  connectWhile(
+      [this] { return objects_publisher_.getNumSubscribers() + markers_publisher_.getNumSubscribers() > 0; },
+      [this] { connect(); }, [this] { disconnect(); });
+}
+
+void MovingObjectsNodelet::setUpInputs() {
+  static_input_ = &addInput("radar/static");
+  dynamic_input_ = &addInput("radar/dynamic");
+  twist_input_ = &addInput("ego/twist");
+  odometry_input_ = &addInput("odom");
+  mask_input_ = &addInput("dynamic/mask");
+  depth_input_ = &addInput("depth");
+  flow_input_ = &addInput("flow");
+  expected_flow_input_ = &addInput("dynamic/expected_flow");
+  camera_input_ = &addInput("camera_info");
+}
+
+void MovingObjectsNodelet::connect() {
+  constexpr std::uint32_t kCloudQueue = 50;
+  connected_since_ = ros::WallTime::now();
+  const auto listenToLabel = [this](InputMonitor& input, const std::string& topic, ReturnLabel label) {
+    return listenUnordered<sensor_msgs::PointCloud2>(
+        input, topic, kCloudQueue,
+        [this, label](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(*cloud, label); });
+  };
+  twist_subscriber_ = listenToTwists(*twist_input_, *motion_);
+  odometry_subscriber_ = listen<nav_msgs::Odometry>(
+      *odometry_input_, "odom", kOdometryQueue,
+      [this](const nav_msgs::OdometryConstPtr& odometry) { onOdometry(*odometry); });
+  static_subscriber_ = listenToLabel(*static_input_, "radar/static", ReturnLabel::kStatic);
+  dynamic_subscriber_ = listenToLabel(*dynamic_input_, "radar/dynamic", ReturnLabel::kDynamic);
+  waiting_timer_ =
+      getNodeHandle().createWallTimer(ros::WallDuration(kWaitingPeriod), [this](const ros::WallTimerEvent&) {
+        processWaiting();
+        processMasks();
+      });
+  followUseMask();
+}
+
+void MovingObjectsNodelet::disconnect() {
+  waiting_timer_.stop();
+  stop(*static_input_, static_subscriber_);
+  stop(*dynamic_input_, dynamic_subscriber_);
+  stop(*twist_input_, twist_subscriber_);
+  stop(*odometry_input_, odometry_subscriber_);
+  followUseMask();
+  forgetThePast();
+}
+
+void MovingObjectsNodelet::followUseMask() {
+  const bool listening = static_cast<bool>(mask_subscriber_);
+  const bool wanted = connected() && config_.use_mask;
+  if (wanted == listening) return;
+  if (!wanted) {
+    stop(*mask_input_, mask_subscriber_);
+    stop(*depth_input_, depth_subscriber_);
+    stop(*flow_input_, flow_subscriber_);
+    stop(*expected_flow_input_, expected_flow_subscriber_);
+    stop(*camera_input_, camera_subscriber_);
+    masks_.clear();
+    return;
+  }
+  const auto listenToImages = [this](InputMonitor& input, const std::string& topic,
+                                     const std::function<void(const sensor_msgs::ImageConstPtr&)>& add) {
+    return listen<sensor_msgs::Image>(input, topic, 5, [this, add](const sensor_msgs::ImageConstPtr& image) {
+      add(image);
+      processMasks();
+    });
+  };
+  camera_subscriber_ = listenToCamera(*camera_input_, camera_);
+  depth_subscriber_ = listenToImages(
+      *depth_input_, "depth", [this](const sensor_msgs::ImageConstPtr& image) { masks_.addDepth(image); });
+  expected_flow_subscriber_ =
+      listenToImages(*expected_flow_input_, "dynamic/expected_flow",
+                     [this](const sensor_msgs::ImageConstPtr& image) { masks_.addExpectedFlow(image); });
+  flow_subscriber_ = listen<Flow>(*flow_input_, "flow", 5, [this](const FlowConstPtr& flow) {
+    masks_.addFlow(flow);
+    processMasks();
+  });
+  mask_subscriber_ =
+      listenToImages(*mask_input_, "dynamic/mask",
+                     [this](const sensor_msgs::ImageConstPtr& image) { masks_.addMask(image); });
+}
+
+void MovingObjectsNodelet::configure(const MovingObjectsConfig& config) {
+  tracker_.configure(objectTrackerParams(config));
+  config_ = config;
+  followUseMask();
+}
+
+void MovingObjectsNodelet::forgetThePast() {
+  scans_.clear();
+  masks_.clear();
+  motion_->forget();
+  poses_.clear();
+  tracker_.reset();
+  newest_ = published_ = ros::Time();
+  first_scan_ = ros::WallTime();
+  objects_ = 0;
+  deleteMarkers();
+}
+
+void MovingObjectsNodelet::deleteMarkers() {
+  std_msgs::Header header;
+  header.frame_id = in_base_frame_ ? extrinsics_->baseFrame() : odom_frame_;
+  if (!header.frame_id.empty()) markers_publisher_.publish(markers_.deleteAll(header));
+}
+
+void MovingObjectsNodelet::drop(const std::string& reason) {
+  // The first scans come before odometry and velocity.
+  if ((ros::WallTime::now() - first_scan_).toSec() < kStartPatience) return;
+  ++dropped_;
+  ++dropped_since_report_;
+  drop_reason_ = reason;
+  warn("dropped", reason);
+}
+
+void MovingObjectsNodelet::onCloud(const sensor_msgs::PointCloud2& cloud, ReturnLabel label) {
+  scans_.add(cloud, label);
+  if (first_scan_.isZero()) first_scan_ = ros::WallTime::now();
+  processWaiting();
+}
+
+void MovingObjectsNodelet::onOdometry(const nav_msgs::Odometry& odometry) {
+  if (odometry.child_frame_id != extrinsics_->baseFrame()) {
+    throw std::invalid_argument("child_frame_id: it is '" + odometry.child_frame_id +
+                                "', not the base frame '" + extrinsics_->baseFrame() + "'");
+  }
+  const PoseSample pose = poseOf(odometry);
+  if (odometry.header.frame_id != odom_frame_) {
+    if (!odom_frame_.empty()) {
+      warn("odometry", "the frame of '" + odometry_input_->topic() + "' is '" + odometry.header.frame_id +
+                           "' now: all objects start anew");
+      deleteMarkers();
+    }
+    poses_.clear();
+    tracker_.reset();
+    odom_frame_ = odometry.header.frame_id;
+  }
+  poses_.add(pose);
+}
+
+std::optional<Eigen::Isometry3d> MovingObjectsNodelet::poseAt(const ros::Time& time, std::string& missing) {
+  const auto isometryOfSample = [](const PoseSample& sample) {
+    return Eigen::Isometry3d(Eigen::Translation3d(sample.position) * sample.rotation);
+  };
+  if (const std::optional<PoseSample> between = poses_.at(time.toSec())) return isometryOfSample(*between);
+  const std::optional<double> latest = poses_.latest();
+  if (!latest || time.toSec() < *latest) {
+    missing = "no pose on '" + odometry_input_->topic() + "' at the stamp";
+    return std::nullopt;
+  }
+  if (time.toSec() - *latest > config_.max_pose_age) {
+    missing = "the latest pose on '" + odometry_input_->topic() + "' is older than max_pose_age";
+    return std::nullopt;
+  }
+  const EgoMotion::Answer motion =
+      motion_->between(ros::Time(*latest), time, config_.max_pose_age, /*patient=*/false);
+  if (!motion.T_begin_from_end) {
+    missing = "no motion from '" + twist_input_->topic() + "': " + motion.missing;
+    return std::nullopt;
+  }
+  return isometryOfSample(*poses_.at(*latest)) * *motion.T_begin_from_end;
+}
+
+void MovingObjectsNodelet::processWaiting() {
+  const ros::WallTime start = ros::WallTime::now();
+  const std::vector<LabelledScan> ready = scans_.take(config_.pairing_timeout);
+  for (const LabelledScan& scan : ready) {
+    std::string reason;
+    try {
+      if (!useScan(scan, reason)) {
+        drop("the scan of '" + scan.frame + "' is left out: " + reason);
+        continue;
+      }
+    } catch (const std::exception& error) {
+      drop("the scan of '" + scan.frame + "' is left out: " + error.what());
+      continue;
+    }
+    ++scans_since_report_;
+    newest_ = std::max(newest_, scan.stamp);
+    if (scan.complete()) continue;
+    ++incomplete_since_report_;
+    warn("half", "nothing on '" + (scan.still ? dynamic_input_ : static_input_)->topic() +
+                     "' with frame and stamp of the cloud on '" +
+                     (scan.still ? static_input_ : dynamic_input_)->topic() + "'; used alone");
+  }
+  if (!ready.empty()) computation_time_ = (ros::WallTime::now() - start).toSec();
+  // One message for the scans of a sweep, once all are in; a scan that lacks a cloud must not hold up all
+  // others.
+  const double ahead = newest_.toSec() - published_.toSec();
+  if (ahead > 0.0 && (scans_.empty() || ahead > kMaxSilence)) publish(newest_);
+}
+
+bool MovingObjectsNodelet::useScan(const LabelledScan& scan, std::string& reason) {
+  const std::optional<Eigen::Isometry3d> mount = extrinsics_->lookup(scan.frame, reason);
+  if (!mount) return false;
+  const std::optional<StampedVelocity> velocity =
+      motion_->velocityAt(scan.stamp, config_.max_pose_age, reason);
+  if (!velocity) {
+    reason = "no velocity from '" + twist_input_->topic() + "': " + reason;
+    return false;
+  }
+  const std::optional<Eigen::Isometry3d> pose = poseAt(scan.stamp, reason);
+  if (!pose) return false;
+  const double time = scan.stamp.toSec();
+  const std::vector<ReturnOverGround> returns = returnsOf(scan, *mount, *velocity, overGroundParams(config_));
+  if (tracker_.update(time, scan.radar, detectObjects(time, returns, {}, detectionParams(config_)), *pose))
+    return true;
+  reason = "it is older than the newest scan by more than max_lag";
+  return false;
+}
+
+void MovingObjectsNodelet::processMasks() {
+  std::string missing;
+  while (const std::optional<MaskMessages> messages = masks_.take(config_.mask_timeout, missing)) {
+    std::string reason;
+    try {
+      if (useMask(*messages, reason)) {
+        ++masks_since_report_;
+        continue;
+      }
+    } catch (const std::exception& error) {
+      reason = error.what();
+    }
+    drop("a mask on '" + mask_input_->topic() + "' is left out: " + reason);
+  }
+  if (!missing.empty()) drop("a mask on '" + mask_input_->topic() + "' is left out: " + missing);
+}
+
+bool MovingObjectsNodelet::useMask(const MaskMessages& messages, std::string& reason) {
+  const std_msgs::Header& header = messages.mask->header;
+  if (!camera_) {
+    reason = "nothing on '" + camera_input_->topic() + "' yet";
+    return false;
+  }
+  const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(header.frame_id, reason);
+  if (!T_base_from_camera) return false;
+  const std::optional<Eigen::Isometry3d> pose = poseAt(header.stamp, reason);
+  if (!pose) return false;
+  const double time = header.stamp.toSec();
+  std::vector<ObjectDetection> detections =
+      detectObjects(time, {}, regionsOf(messages, *camera_, *T_base_from_camera, maskRegionParams(config_)),
+                    detectionParams(config_));
+  // Masks have more false regions than scans have false returns.
+  for (ObjectDetection& detection : detections) detection.moving = config_.mask_starts_tracks;
+  if (tracker_.update(time, kMaskSource, detections, *pose)) return true;
+  reason = "it is older than the newest scan by more than max_lag";
+  return false;
+}
+
+void MovingObjectsNodelet::publish(const ros::Time& stamp) {
+  published_ = stamp;
+  std::string missing;
+  const std::optional<Eigen::Isometry3d> pose = poseAt(stamp, missing);
+  if (!pose) return;  // it was there for the scan
+  ObjectFrame frame;
+  if (in_base_frame_) {
+    frame.T_frame_from_odom = planarPose(*pose).inverse();
+  } else {
+    frame.height = pose->translation().z();
+  }
+  MovingObjects message;
+  message.header.stamp = stamp;
+  message.header.frame_id = in_base_frame_ ? extrinsics_->baseFrame() : odom_frame_;
+  for (const ObjectTrack& track : tracker_.moving(stamp.toSec()))
+    message.objects.push_back(objectMessage(track, stamp, frame, config_.image_max_age));
+  std::sort(message.objects.begin(), message.objects.end(),
+            [](const MovingObject& a, const MovingObject& b) { return a.id < b.id; });
+  objects_ = message.objects.size();
+  latency_ = ros::Time::now().toSec() - stamp.toSec();
+  objects_publisher_.publish(message);
+  if (markers_publisher_.getNumSubscribers() > 0)
+    markers_publisher_.publish(markers_.update(message, config_.marker_lifetime));
+}
+
+void MovingObjectsNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!connected()) {
+    status.summary(DiagnosticStatus::OK, "nobody wants objects");
+  } else if (dropped_since_report_ > 0) {
+    status.summaryf(scans_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
+                    "%zu scans or masks left out: %s", dropped_since_report_, drop_reason_.c_str());
+  } else if (scans_since_report_ == 0 && (ros::WallTime::now() - connected_since_).toSec() > silentAfter()) {
+    status.summary(DiagnosticStatus::ERROR, "no scan in the last second");
+  } else {
+    status.summaryf(DiagnosticStatus::OK, "%zu objects, %zu scans in the last second", objects_,
+                    scans_since_report_);
+  }
+  if (incomplete_since_report_ > 0)
+    status.mergeSummaryf(DiagnosticStatus::WARN, "%zu scans with one of their two clouds",
+                         incomplete_since_report_);
+  status.addf("objects", "%zu", objects_);
+  status.addf("tracks", "%zu", tracker_.all().size());
+  status.addf("masks in the last second", "%zu", masks_since_report_);
+  status.addf("computation time (ms)", "%.2f", 1e3 * computation_time_);
+  status.addf("latency (ms)", "%.1f", 1e3 * latency_);
+  status.addf("left out", "%zu", dropped_);
+  status.add("last left out", drop_reason_);
+  scans_since_report_ = masks_since_report_ = dropped_since_report_ = incomplete_since_report_ = 0;
+}
+
+}  // namespace radar_dot
+
+PLUGINLIB_EXPORT_CLASS(radar_dot::MovingObjectsNodelet, nodelet::Nodelet)

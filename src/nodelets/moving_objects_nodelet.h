@@ -1,0 +1,85 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nav_msgs/Odometry.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cloud_points.h"
+#include "ego_motion.h"
+#include "labelled_scans.h"
+#include "object_messages.h"
+#include "object_regions.h"
+#include "pose_buffer.h"
+#include "radar_dot/MovingObjectsConfig.h"
+#include "radar_dot/objects/object_tracker.h"
+#include "stream_nodelet.h"
+
+namespace radar_dot {
+
+/// Objects that move by themselves, with position and velocity, followed over the scans of all radars.
+///
+/// Takes the returns as EgoVelocity has labelled them, each scan at its own stamp, and the pose of the
+/// vehicle from the odometry. With use_mask the regions of dynamic/mask are a further sensor, at the stamp of
+/// the mask.
+class MovingObjectsNodelet : public StreamNodelet {
+ private:
+  void onInit() override;
+  void setUpInputs();
+  void connect();
+  void disconnect();
+  void followUseMask();
+  void configure(const MovingObjectsConfig& config);
+  void forgetThePast() override;
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
+
+  void onCloud(const sensor_msgs::PointCloud2& cloud, ReturnLabel label);
+  void onOdometry(const nav_msgs::Odometry& odometry);
+  void processWaiting();
+  void processMasks();
+  /// @return false, with `reason`, where the scan is of no use
+  bool useScan(const LabelledScan& scan, std::string& reason);
+  bool useMask(const MaskMessages& messages, std::string& reason);
+  /// Pose of the vehicle in the frame of the odometry, carried on by the twists beyond the latest.
+  std::optional<Eigen::Isometry3d> poseAt(const ros::Time& time, std::string& missing);
+  void publish(const ros::Time& stamp);
+  void deleteMarkers();
+  void drop(const std::string& reason);
+
+  MovingObjectsConfig config_ = MovingObjectsConfig::__getDefault__();
+  bool in_base_frame_ = false;  // parameter frame
+  std::unique_ptr<Extrinsics> extrinsics_;
+  std::unique_ptr<EgoMotion> motion_;
+  LabelledScans scans_;
+  MaskMatcher masks_;
+  sensor_msgs::CameraInfoConstPtr camera_;
+  PoseBuffer poses_;
+  std::string odom_frame_;  // of the poses
+  ObjectTracker tracker_;
+  ros::Time newest_;     // stamp of the newest scan that was used
+  ros::Time published_;  // stamp of the latest message
+  ObjectMarkers markers_;
+
+  InputMonitor *static_input_ = nullptr, *dynamic_input_ = nullptr, *twist_input_ = nullptr,
+               *odometry_input_ = nullptr, *mask_input_ = nullptr, *depth_input_ = nullptr,
+               *flow_input_ = nullptr, *expected_flow_input_ = nullptr, *camera_input_ = nullptr;
+  ros::Subscriber static_subscriber_, dynamic_subscriber_, twist_subscriber_, odometry_subscriber_,
+      mask_subscriber_, depth_subscriber_, flow_subscriber_, expected_flow_subscriber_, camera_subscriber_;
+  ros::Publisher objects_publisher_, markers_publisher_;
+  std::unique_ptr<dynamic_reconfigure::Server<MovingObjectsConfig>> server_;
+  ros::WallTimer waiting_timer_;
+
+  // For the diagnostic.
+  double computation_time_ = 0.0, latency_ = 0.0;
+  std::size_t objects_ = 0, dropped_ = 0;
+  std::size_t scans_since_report_ = 0, masks_since_report_ = 0, dropped_since_report_ = 0,
+              incomplete_since_report_ = 0;
+  std::string drop_reason_;
+  ros::WallTime connected_since_, first_scan_;
+};
+
+}  // namespace radar_dot

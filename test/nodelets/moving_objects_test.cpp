@@ -1,0 +1,362 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// A car crosses before a vehicle with five radars: from raw clouds to objects, with all that can go wrong.
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <geometry_msgs/TwistWithCovarianceStamped.h>
+#include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
+#include <rosgraph_msgs/Log.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "live_graph.h"
+#include "live_mask.h"
+#include "object_scene.h"
+#include "radar_dot/MovingObjects.h"
+#include "vision_world.h"
+
+namespace radar_dot::test {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+using sensor_msgs::PointCloud2;
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+class MovingObjectsTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    handle_ = std::make_unique<ros::NodeHandle>();
+    scene_ = std::make_unique<ObjectScene>(*handle_);
+    time_ = 0.0;
+  }
+  static void TearDownTestSuite() {
+    scene_.reset();
+    handle_.reset();
+  }
+
+  void SetUp() override {
+    ASSERT_TRUE(waitUntil(
+        [this] { return objects_.connected() && in_base_.connected() && markers_.connected(); }, 10.0));
+    scene_->before_scan = [](double) {};
+    scene_->car.reset();
+    drive(1.5);  // the nodelets find their audience, tracks of the test before end
+  }
+
+  void drive(double duration) {
+    scene_->drive(time_, time_ + duration);
+    time_ += duration;
+    ros::WallDuration(0.3).sleep();  // what is under way arrives
+  }
+
+  /// A car that crosses from the right, 35 m ahead.
+  void addCar() {
+    const Eigen::Isometry3d pose = scene_->world.poseAt(time_);
+    Mover car;
+    car.velocity = (pose.linear() * Eigen::Vector3d(3.0, 6.0, 0.0)).head<2>();
+    car.start = (pose * Eigen::Vector3d(35.0, -12.0, 0.0)).head<2>() - time_ * car.velocity;
+    scene_->car = car;
+  }
+
+  static double secondsOf(const ros::Time& stamp) { return stamp.toSec() - ObjectScene::kStart; }
+
+  /// From `begin` (s) on there is the car and nothing else, with one id. @return the id
+  std::uint64_t expectCar(const Recorder<MovingObjects>& recorder, double begin) const {
+    std::set<std::uint64_t> ids;
+    std::size_t count = 0;
+    for (const MovingObjectsConstPtr& message : recorder.messages()) {
+      const double seconds = secondsOf(message->header.stamp);
+      if (seconds < begin || seconds > time_) continue;
+      ++count;
+      EXPECT_EQ(message->objects.size(), 1U) << seconds << " s";
+      if (message->objects.size() != 1) continue;
+      const MovingObject& object = message->objects[0];
+      ids.insert(object.id);
+      EXPECT_EQ(object.stamp, message->header.stamp);
+      const Eigen::Isometry3d T_base_from_frame = poseIn(*message).inverse();
+      const Eigen::Vector3d position =
+          T_base_from_frame * Eigen::Vector3d(object.position.x, object.position.y, object.position.z);
+      const Eigen::Vector3d velocity =
+          T_base_from_frame.linear() * Eigen::Vector3d(object.velocity.x, object.velocity.y, 0.0);
+      EXPECT_LT((position.head<2>() - scene_->carPosition(seconds)).norm(), 1.0) << seconds << " s";
+      EXPECT_LT((velocity.head<2>() - scene_->carVelocity(seconds)).norm(), 0.5) << seconds << " s";
+      EXPECT_GT(object.position_covariance[0], 0.0);
+      EXPECT_GT(object.velocity_covariance[3], 0.0);
+    }
+    EXPECT_GT(static_cast<double>(count), 0.7 * 13.0 * (time_ - begin)) << "one message for each sweep";
+    EXPECT_EQ(ids.size(), 1U);
+    return ids.empty() ? 0 : *ids.begin();
+  }
+
+  /// Of the base, in the frame of the message.
+  Eigen::Isometry3d poseIn(const MovingObjects& message) const {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    if (message.header.frame_id == "base_link") return pose;
+    EXPECT_EQ(message.header.frame_id, "odom");
+    const auto odometry = odometry_.messages();
+    const auto found = std::find_if(odometry.begin(), odometry.end(), [&](const auto& candidate) {
+      return candidate->header.stamp == message.header.stamp;
+    });
+    if (found == odometry.end()) {
+      ADD_FAILURE() << "no pose at " << message.header.stamp;
+      return pose;
+    }
+    const auto& p = (*found)->pose.pose.position;
+    const auto& q = (*found)->pose.pose.orientation;
+    return Eigen::Translation3d(p.x, p.y, p.z) * Eigen::Quaterniond(q.w, q.x, q.y, q.z);
+  }
+
+  std::vector<MovingObject> latestObjects() const {
+    const auto messages = objects_.messages();
+    if (!messages.empty()) return messages.back()->objects;
+    ADD_FAILURE() << "no message of objects";
+    return {};
+  }
+
+  std::set<std::string> namespacesOf(int action, std::int32_t id) const {
+    std::set<std::string> names;
+    for (const auto& array : markers_.messages())
+      for (const Marker& marker : array->markers)
+        if (marker.action == action && marker.id == id) names.insert(marker.ns);
+    return names;
+  }
+
+  bool logged(const std::string& topic, const std::string& cause) const {
+    const auto lines = log_.messages();
+    return std::any_of(lines.begin(), lines.end(), [&](const rosgraph_msgs::LogConstPtr& line) {
+      return line->msg.find("moving_objects") != std::string::npos &&
+             line->msg.find(topic) != std::string::npos && line->msg.find(cause) != std::string::npos;
+    });
+  }
+
+  static void reconfigure(const std::string& name, bool value) {
+    dynamic_reconfigure::Reconfigure call;
+    call.request.config.bools.emplace_back();
+    call.request.config.bools.back().name = name;
+    call.request.config.bools.back().value = value;
+    EXPECT_TRUE(ros::service::call("moving_objects/set_parameters", call));
+  }
+
+  static std::unique_ptr<ros::NodeHandle> handle_;
+  static std::unique_ptr<ObjectScene> scene_;
+  static double time_;  // s since the beginning of the scene
+
+  Recorder<MovingObjects> objects_{*handle_, "dynamic/objects"}, in_base_{*handle_, "in_base/objects"},
+      misspelt_{*handle_, "misspelt/objects"};
+  Recorder<MarkerArray> markers_{*handle_, "dynamic/markers"};
+  Recorder<nav_msgs::Odometry> odometry_{*handle_, "odom"};
+  Recorder<rosgraph_msgs::Log> log_{*handle_, "/rosout"};
+  Diagnostics diagnostics_{*handle_};
+};
+
+std::unique_ptr<ros::NodeHandle> MovingObjectsTest::handle_;
+std::unique_ptr<ObjectScene> MovingObjectsTest::scene_;
+double MovingObjectsTest::time_ = 0.0;
+
+TEST_F(MovingObjectsTest, ACrossingCarHasItsPositionAndVelocityAndOneId) {
+  addCar();
+  const double begin = time_;
+  drive(3.5);
+  const std::uint64_t id = expectCar(objects_, begin + 1.0);
+  expectCar(in_base_, begin + 1.0);
+  const auto last = latestObjects();
+  ASSERT_EQ(last.size(), 1U);
+  EXPECT_NEAR(secondsOf(last[0].first_seen), begin, 0.3);
+  EXPECT_GT(last[0].detections, 50U);
+  EXPECT_GE(last[0].return_count, 1U);
+  EXPECT_EQ(last[0].box_width, 0U) << "there was no image";
+
+  // Markers of the car, and their end with its own.
+  const auto marker_id = static_cast<std::int32_t>(id);
+  const std::set<std::string> all = {"objects", "velocities", "labels"};
+  EXPECT_EQ(namespacesOf(Marker::ADD, marker_id), all);
+  EXPECT_TRUE(namespacesOf(Marker::DELETE, marker_id).empty());
+  scene_->car.reset();
+  drive(1.5);
+  EXPECT_TRUE(latestObjects().empty());
+  EXPECT_EQ(namespacesOf(Marker::DELETE, marker_id), all);
+  EXPECT_TRUE(
+      waitUntil([this] { return diagnostics_.seen("moving_objects: objects", DiagnosticStatus::OK); }, 3.0));
+}
+
+TEST_F(MovingObjectsTest, WhatStandsIsNoObject) {
+  const double begin = time_;
+  drive(2.0);
+  std::size_t messages = 0;
+  for (const MovingObjectsConstPtr& message : objects_.messages()) {
+    if (secondsOf(message->header.stamp) < begin) continue;
+    ++messages;
+    EXPECT_TRUE(message->objects.empty());
+  }
+  EXPECT_GT(messages, 18U) << "a message for each sweep, also without objects";
+}
+
+/// One labelled return.
+PointCloud2 goodCloud(double seconds) {
+  PointCloud2 cloud = cloudOf(ObjectScene::stampAt(seconds), "radar_front", {{20.F, 0.F, 0.F}});
+  sensor_msgs::PointField field = cloud.fields.back();
+  field.name = "residual";
+  field.offset = cloud.point_step;
+  cloud.fields.push_back(field);
+  cloud.point_step += 4;
+  cloud.row_step = cloud.point_step;
+  cloud.data.resize(cloud.point_step);
+  return cloud;
+}
+
+TEST_F(MovingObjectsTest, BadMessagesAreNamedAndHarmNobody) {
+  ros::Publisher clouds = handle_->advertise<PointCloud2>("radar/dynamic", 10);
+  ros::Publisher twists = handle_->advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
+  ros::Publisher poses = handle_->advertise<nav_msgs::Odometry>("odom", 10);
+  ASSERT_TRUE(waitUntil([&] { return clouds.getNumSubscribers() + poses.getNumSubscribers() > 2; }, 5.0));
+  const auto send = [&](int kind, double seconds) {
+    PointCloud2 cloud = goodCloud(seconds);
+    nav_msgs::Odometry pose;
+    pose.header.stamp = ObjectScene::stampAt(seconds);
+    pose.header.frame_id = "odom";
+    pose.child_frame_id = kind == 8 ? "trailer" : "base_link";
+    geometry_msgs::TwistWithCovarianceStamped twist;
+    twist.header.stamp = pose.header.stamp;
+    twist.header.frame_id = "nowhere";
+    switch (kind) {
+      case 0: cloud.fields.pop_back(); break;
+      case 1: cloud.data.pop_back(); break;
+      case 2: cloud.header.frame_id.clear(); break;
+      case 3: cloud.header.stamp = ros::Time(); break;
+      case 4: cloud.header.stamp += ros::Duration(100.0); break;
+      case 5: cloud.header.stamp -= ros::Duration(1.0); break;
+      case 6: cloud.header.frame_id = "no_such_frame"; break;
+      case 7: cloud.fields[0].offset = 4'000'000'000U; break;
+      case 8: return poses.publish(pose);
+      case 9: return poses.publish(pose);  // no quaternion
+      default: return twists.publish(twist);
+    }
+    clouds.publish(cloud);
+  };
+  addCar();
+  const double begin = time_;
+  int next = 0;
+  scene_->before_scan = [&](double seconds) {
+    // Not before the car is followed: one after the other, every fifth of a second.
+    if (seconds > begin + 1.0 + 0.2 * next) send(next++ % 11, seconds);
+  };
+  drive(3.8);
+  EXPECT_GT(next, 11);
+  expectCar(objects_, begin + 1.0);
+  expectCar(in_base_, begin + 1.0);
+  const std::string cloud_topic = "'/radar/dynamic'";
+  EXPECT_TRUE(logged(cloud_topic, "residual"));
+  EXPECT_TRUE(logged(cloud_topic, "bytes of data"));
+  EXPECT_TRUE(logged(cloud_topic, "frame_id is empty"));
+  EXPECT_TRUE(logged(cloud_topic, "stamp is zero"));
+  EXPECT_TRUE(logged(cloud_topic, "ahead of the clock"));
+  EXPECT_TRUE(logged(cloud_topic, "used already"));
+  EXPECT_TRUE(logged("no_such_frame", "left out"));
+  EXPECT_TRUE(logged(cloud_topic, "beyond"));
+  EXPECT_TRUE(logged("'/odom'", "child_frame_id"));
+  EXPECT_TRUE(logged("'/odom'", "quaternion"));
+  EXPECT_TRUE(logged("'/ego/twist'", "nowhere"));
+  EXPECT_TRUE(diagnostics_.seen("moving_objects: input radar/dynamic", DiagnosticStatus::WARN));
+}
+
+TEST_F(MovingObjectsTest, BadParametersHaveTheirDefaultsAndAreReported) {
+  addCar();
+  const double begin = time_;
+  drive(2.5);
+  expectCar(misspelt_, begin + 1.0);
+  const std::string message = diagnostics_.latest("misspelt: objects").message;
+  EXPECT_TRUE(diagnostics_.seen("misspelt: objects", DiagnosticStatus::ERROR));
+  EXPECT_NE(message.find("frame 'moon'"), std::string::npos) << message;
+  EXPECT_NE(message.find("gate"), std::string::npos) << message;
+}
+
+TEST_F(MovingObjectsTest, WhenTimeGoesBackAllStartsAnew) {
+  addCar();
+  double begin = time_;
+  drive(2.0);
+  const std::uint64_t before = expectCar(objects_, begin + 1.0);
+  const std::size_t arrays = markers_.count();
+  time_ = 0.0;
+  addCar();
+  begin = time_;
+  drive(2.5);
+  const std::uint64_t after = expectCar(objects_, begin + 1.0);
+  EXPECT_GT(after, before) << "ids are never used again";
+  const auto messages = markers_.messages();
+  EXPECT_TRUE(std::any_of(
+      messages.begin() + static_cast<std::ptrdiff_t>(arrays), messages.end(), [](const auto& array) {
+        return array->markers.size() == 1 && array->markers[0].action == Marker::DELETEALL;
+      }));
+  EXPECT_TRUE(logged("", "starting anew"));
+}
+
+TEST_F(MovingObjectsTest, RegionsOfMasksTellWhereObjectsAreInTheImage) {
+  LiveMask mask(*handle_);
+  reconfigure("use_mask", true);
+  EXPECT_TRUE(waitUntil([&] { return mask.heard(); }, 5.0)) << "nobody listens to masks";
+  double next = time_;
+  const auto sendEveryTenth = [&](double seconds) {
+    if (seconds < next) return;
+    next += 0.1;
+    mask.send(seconds, scene_->carPosition(seconds), scene_->carVelocity(seconds));
+  };
+  addCar();
+  const Mover car = *scene_->car;
+  scene_->before_scan = sendEveryTenth;
+  const double begin = time_;
+  drive(2.5);
+  expectCar(objects_, begin + 1.0);
+  const auto objects = latestObjects();
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_NEAR(objects[0].box_x, mask.box.x, 12.0) << "the latest mask, or the one before";
+  EXPECT_NEAR(objects[0].box_y, mask.box.y, 2.0);
+  EXPECT_EQ(objects[0].box_width, static_cast<std::uint32_t>(LiveMask::kWidth));
+  EXPECT_EQ(objects[0].box_height, static_cast<std::uint32_t>(LiveMask::kHeight));
+  EXPECT_EQ(objects[0].pixel_count, static_cast<std::uint32_t>(LiveMask::kWidth * LiveMask::kHeight));
+  EXPECT_NEAR(objects[0].image_stamp.toSec(), mask.last.toSec(), 0.15);
+
+  // The radars lose the car. Masks alone carry its track on for a while, but start none unless they may.
+  const auto only_mask = [&](double seconds) {
+    if (seconds < next) return;
+    next += 0.1;
+    const Eigen::Vector2d in_base = (scene_->world.poseAt(seconds).inverse() *
+                                     Eigen::Vector3d(car.at(seconds).x(), car.at(seconds).y(), 0.0))
+                                        .head<2>();
+    mask.send(seconds, in_base, Eigen::Rotation2Dd(-scene_->world.yaw_rate * seconds) * car.velocity);
+  };
+  scene_->car.reset();
+  scene_->before_scan = only_mask;
+  drive(1.3);
+  EXPECT_TRUE(latestObjects().empty());
+  reconfigure("mask_starts_tracks", true);
+  drive(0.7);
+  const auto alone = latestObjects();
+  EXPECT_EQ(alone.size(), 1U);
+  if (!alone.empty()) {
+    EXPECT_EQ(alone[0].return_count, 0U);
+  }
+  reconfigure("mask_starts_tracks", false);
+  reconfigure("use_mask", false);
+  EXPECT_TRUE(waitUntil([&] { return !mask.heard(); }, 5.0));
+}
+
+}  // namespace
+}  // namespace radar_dot::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "moving_objects_test");
+  ros::AsyncSpinner spinner(1);
+  ros::NodeHandle keep_alive;
+  spinner.start();
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,186 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nodelets/object_messages.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace radar_dot {
+namespace {
+
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+constexpr double kTime = 1000.0;  // s
+
+ObjectTrack exampleTrack() {
+  ObjectTrack track;
+  track.id = 5'000'000'007;
+  track.time = kTime;
+  track.birth = 990.5;
+  track.last_hit = 999.75;
+  track.hits = 42;
+  track.return_count = 3;
+  track.state << 3.0, 4.0, 1.0, 2.0;
+  track.covariance << 4.0, 1.0, 0.0, 0.0,  //
+      1.0, 9.0, 0.0, 0.0,                  //
+      0.0, 0.0, 0.5, 0.25,                 //
+      0.0, 0.0, 0.25, 0.75;
+  return track;
+}
+
+MovingObjects objectsOf(const std::vector<std::uint64_t>& ids) {
+  MovingObjects objects;
+  objects.header.frame_id = "odom";
+  objects.header.stamp = ros::Time(kTime);
+  for (const std::uint64_t id : ids) {
+    MovingObject& object = objects.objects.emplace_back();
+    object.id = id;
+    object.position.x = 10.0;
+    object.position.y = -2.0;
+    object.position.z = 0.5;
+    object.velocity.x = 3.0;
+    object.velocity.y = -4.0;
+  }
+  return objects;
+}
+
+std::set<std::pair<std::string, int>> keysOf(const MarkerArray& array, int action) {
+  std::set<std::pair<std::string, int>> keys;
+  for (const Marker& marker : array.markers)
+    if (marker.action == action) keys.insert({marker.ns, marker.id});
+  return keys;
+}
+
+TEST(ObjectMessage, InTheFrameOfTheOdometryTheStateIsAsItIs) {
+  ObjectFrame frame;
+  frame.height = 0.75;
+  const MovingObject object = objectMessage(exampleTrack(), ros::Time(kTime), frame, 1.0);
+  EXPECT_EQ(object.id, 5'000'000'007U);
+  EXPECT_EQ(object.stamp, ros::Time(kTime));
+  EXPECT_EQ(object.position.x, 3.0);
+  EXPECT_EQ(object.position.y, 4.0);
+  EXPECT_EQ(object.position.z, 0.75);
+  EXPECT_EQ(object.velocity.x, 1.0);
+  EXPECT_EQ(object.velocity.y, 2.0);
+  EXPECT_EQ(object.velocity.z, 0.0);
+  EXPECT_EQ(object.position_covariance[0], 4.0);
+  EXPECT_EQ(object.position_covariance[1], 1.0);
+  EXPECT_EQ(object.position_covariance[2], 1.0);
+  EXPECT_EQ(object.position_covariance[3], 9.0);
+  EXPECT_EQ(object.velocity_covariance[0], 0.5);
+  EXPECT_EQ(object.velocity_covariance[1], 0.25);
+  EXPECT_EQ(object.velocity_covariance[3], 0.75);
+  EXPECT_EQ(object.first_seen, ros::Time(990.5));
+  EXPECT_EQ(object.last_seen, ros::Time(999.75));
+  EXPECT_EQ(object.detections, 42U);
+  EXPECT_EQ(object.return_count, 3U);
+}
+
+// A quarter turn swaps the axes of the covariance and turns the sign of what they share.
+TEST(ObjectMessage, AnotherFrameTurnsPositionVelocityAndCovariances) {
+  ObjectFrame frame;
+  frame.T_frame_from_odom.linear() = Eigen::Rotation2Dd(std::acos(-1.0) / 2.0).toRotationMatrix();
+  frame.T_frame_from_odom.translation() = Eigen::Vector2d(10.0, 20.0);
+  const MovingObject object = objectMessage(exampleTrack(), ros::Time(kTime), frame, 1.0);
+  EXPECT_NEAR(object.position.x, 6.0, 1e-12);
+  EXPECT_NEAR(object.position.y, 23.0, 1e-12);
+  EXPECT_EQ(object.position.z, 0.0);
+  EXPECT_NEAR(object.velocity.x, -2.0, 1e-12);
+  EXPECT_NEAR(object.velocity.y, 1.0, 1e-12);
+  EXPECT_NEAR(object.position_covariance[0], 9.0, 1e-12);
+  EXPECT_NEAR(object.position_covariance[1], -1.0, 1e-12);
+  EXPECT_NEAR(object.position_covariance[2], -1.0, 1e-12);
+  EXPECT_NEAR(object.position_covariance[3], 4.0, 1e-12);
+  EXPECT_NEAR(object.velocity_covariance[0], 0.75, 1e-12);
+  EXPECT_NEAR(object.velocity_covariance[1], -0.25, 1e-12);
+  EXPECT_NEAR(object.velocity_covariance[3], 0.5, 1e-12);
+}
+
+TEST(ObjectMessage, ABoxIsToldAsLongAsItsImageIsYoungEnough) {
+  ObjectTrack track = exampleTrack();
+  track.box = {640, 300, 120, 80};
+  track.pixel_count = 5000;
+  track.last_image = kTime - 0.5;
+  const MovingObject seen = objectMessage(track, ros::Time(kTime), {}, 0.6);
+  EXPECT_EQ(seen.box_x, 640U);
+  EXPECT_EQ(seen.box_y, 300U);
+  EXPECT_EQ(seen.box_width, 120U);
+  EXPECT_EQ(seen.box_height, 80U);
+  EXPECT_EQ(seen.pixel_count, 5000U);
+  EXPECT_EQ(seen.image_stamp, ros::Time(kTime - 0.5));
+  const MovingObject old = objectMessage(track, ros::Time(kTime), {}, 0.4);
+  EXPECT_EQ(old.box_width, 0U);
+  EXPECT_EQ(old.pixel_count, 0U);
+  EXPECT_TRUE(old.image_stamp.isZero());
+  EXPECT_TRUE(objectMessage(exampleTrack(), ros::Time(kTime), {}, 1e9).image_stamp.isZero());
+}
+
+TEST(PlanarPose, KeepsPositionAndHeadingOfATiltedPose) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() =
+      (Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()) *
+       Eigen::AngleAxisd(-0.1, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(1.0, 2.0, 3.0);
+  const Eigen::Isometry2d planar = planarPose(pose);
+  EXPECT_NEAR(Eigen::Rotation2Dd(planar.linear()).angle(), 0.7, 1e-12);
+  EXPECT_EQ(planar.translation(), Eigen::Vector2d(1.0, 2.0));
+}
+
+TEST(ObjectMarkers, EachObjectHasABodyAnArrowOfOneSecondAndALabel) {
+  ObjectMarkers markers;
+  const MarkerArray array = markers.update(objectsOf({7}), 0.5);
+  ASSERT_EQ(array.markers.size(), 3U);
+  for (const Marker& marker : array.markers) {
+    EXPECT_EQ(marker.header.frame_id, "odom");
+    EXPECT_EQ(marker.header.stamp, ros::Time(kTime));
+    EXPECT_EQ(marker.id, 7);
+    EXPECT_EQ(marker.lifetime, ros::Duration(0.5));
+    EXPECT_GT(marker.color.a, 0.F);
+  }
+  EXPECT_EQ(array.markers[0].type, Marker::CYLINDER);
+  EXPECT_EQ(array.markers[0].pose.position.x, 10.0);
+  EXPECT_EQ(array.markers[1].type, Marker::ARROW);
+  ASSERT_EQ(array.markers[1].points.size(), 2U);
+  EXPECT_EQ(array.markers[1].points[0].x, 10.0);
+  EXPECT_EQ(array.markers[1].points[1].x, 13.0);
+  EXPECT_EQ(array.markers[1].points[1].y, -6.0);
+  EXPECT_EQ(array.markers[2].type, Marker::TEXT_VIEW_FACING);
+  EXPECT_EQ(array.markers[2].text, "7: 5.0 m/s");
+}
+
+TEST(ObjectMarkers, WhatHasEndedIsDeletedOnce) {
+  ObjectMarkers markers;
+  markers.update(objectsOf({7, 8}), 0.5);
+  const MarkerArray next = markers.update(objectsOf({8}), 0.5);
+  EXPECT_EQ(keysOf(next, Marker::DELETE),
+            (std::set<std::pair<std::string, int>>{{"objects", 7}, {"velocities", 7}, {"labels", 7}}));
+  EXPECT_EQ(keysOf(next, Marker::ADD).count({"objects", 8}), 1U);
+  EXPECT_TRUE(keysOf(markers.update(objectsOf({8}), 0.5), Marker::DELETE).empty());
+}
+
+TEST(ObjectMarkers, DeletesAllAndForgetsThem) {
+  ObjectMarkers markers;
+  MovingObjects objects = objectsOf({7});
+  markers.update(objects, 0.5);
+  const MarkerArray all = markers.deleteAll(objects.header);
+  ASSERT_EQ(all.markers.size(), 1U);
+  EXPECT_EQ(all.markers[0].action, Marker::DELETEALL);
+  EXPECT_EQ(all.markers[0].header.frame_id, "odom");
+  EXPECT_TRUE(markers.update(objectsOf({}), 0.5).markers.empty()) << "nothing is on show any more";
+}
+
+TEST(ObjectMarkers, LargeIdsStayPositive) {
+  ObjectMarkers markers;
+  for (const Marker& marker : markers.update(objectsOf({0xFFFF'FFFF'FFFFU}), 0.5).markers)
+    EXPECT_GT(marker.id, 0);
+}
+
+}  // namespace
+}  // namespace radar_dot
