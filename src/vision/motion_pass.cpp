@@ -22,7 +22,7 @@ constexpr int kBlock = 256;  // pixels of a row that are worked on together,
 struct PixelBlock {
   std::array<float, kBlock> u, v, depth_there, flow_part, tolerance, depth_part;
   // of the score by uncertainty
-  std::array<float, kBlock> closure, depth_std, uu, uv, vv;
+  std::array<float, kBlock> closure, depth_std, x, y, inverse_depth, uu, uv, vv;
 };
 
 /// Prediction, flow residual and the tolerance for flow.
@@ -117,6 +117,8 @@ RADAR_DOT_VECTORISED void spreadByInputs(const PassConstants& pass, int count, c
   const float flow_std = pass.flow_std;
   const float flow_std_relative = pass.flow_std_relative;
   const float closure_weight = pass.closure_weight;
+  const float cx = pass.cx, cy = pass.cy;
+  const float x_by_u = 1.0F / pass.fx, y_by_v = 1.0F / pass.fy;
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const float flow_u = flows[2 * i];
@@ -132,23 +134,28 @@ RADAR_DOT_VECTORISED void spreadByInputs(const PassConstants& pass, int count, c
     block.uu[k] = variance + g_u * g_u;
     block.uv[k] = g_u * g_v;
     block.vv[k] = variance + g_v * g_v;
+    block.x[k] = (block.u[k] - cx) * x_by_u;
+    block.y[k] = (block.v[k] - cy) * y_by_v;
+    block.inverse_depth[k] = 1.0F / block.depth_there[k];
   }
 }
 
-/// What the error of the motion adds, in one of its directions.
+/// What the error of the motion adds, in two of its directions: one pass over the block for both.
 RADAR_DOT_VECTORISED void spreadByMotion(const PassConstants& pass,
-                                         const uncertainty_terms::SmallMotion& direction, int count,
+                                         const uncertainty_terms::SmallMotion& direction,
+                                         const uncertainty_terms::SmallMotion& other_direction, int count,
                                          PixelBlock& block) {
-  const uncertainty_terms::SmallMotion motion = direction;
-  const float fx = pass.fx, fy = pass.fy, cx = pass.cx, cy = pass.cy;
-  const float x_by_u = 1.0F / fx, y_by_v = 1.0F / fy;
+  namespace terms = uncertainty_terms;
+  const terms::SmallMotion first = direction, second = other_direction;
+  const float fx = pass.fx, fy = pass.fy;
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const uncertainty_terms::PixelShift shift = uncertainty_terms::byMotion(
-        fx, fy, (block.u[k] - cx) * x_by_u, (block.v[k] - cy) * y_by_v, 1.0F / block.depth_there[k], motion);
-    block.uu[k] += shift.u * shift.u;
-    block.uv[k] += shift.u * shift.v;
-    block.vv[k] += shift.v * shift.v;
+    const float x = block.x[k], y = block.y[k], q = block.inverse_depth[k];
+    const terms::PixelShift a = terms::byMotion(fx, fy, x, y, q, first);
+    const terms::PixelShift b = terms::byMotion(fx, fy, x, y, q, second);
+    block.uu[k] += a.u * a.u + b.u * b.u;
+    block.uv[k] += a.u * a.v + b.u * b.v;
+    block.vv[k] += a.v * a.v + b.v * b.v;
   }
 }
 
@@ -221,7 +228,11 @@ void scoreRow(const PassConstants& pass, const motion_terms::FloatImage& next_de
     if (pass.by_uncertainty) {
       readNoise(pass, count, from(input.closures, begin), from(input.depth_stds, begin), block);
       spreadByInputs(pass, count, depths, flows, block);
-      for (const auto& direction : pass.spread) spreadByMotion(pass, direction, count, block);
+      for (std::size_t i = 0; i < pass.spread.size(); i += 2) {
+        const bool is_last = i + 1 == pass.spread.size();
+        spreadByMotion(pass, pass.spread[i], is_last ? uncertainty_terms::SmallMotion{} : pass.spread[i + 1],
+                       count, block);
+      }
       distanceBlock(pass, row, begin, count, flows, block, scores + begin);
     } else {
       scoreBlock(pass, count, depths, block, scores + begin);
