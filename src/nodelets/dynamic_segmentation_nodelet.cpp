@@ -220,8 +220,11 @@ DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gather(WaitingF
   inputs.motion.T_current_from_previous = staticPointMotion(*T_base_from_camera, *motion.T_begin_from_end);
   if (config_.score == "uncertainty" || config_.refine) {
     const double dt = (inputs.flow->second_stamp - inputs.flow->header.stamp).toSec();
+    const bool has_rotation = motion_->hasRotation() && !motion.without_rotation;
+    const MotionUncertainty uncertainty =
+        motionUncertainty(config_, motion_->latestCovariance(), has_rotation);
     inputs.motion.motion_covariance =
-        cameraCovariance(*T_base_from_camera, baseMotionCovariance(motionUncertainty(config_), std::abs(dt)));
+        cameraCovariance(*T_base_from_camera, baseMotionCovariance(uncertainty, std::abs(dt)));
   }
   placeOnGrid(inputs);
   if (config_.radar_gain > 0.0)

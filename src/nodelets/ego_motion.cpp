@@ -21,7 +21,10 @@ void EgoMotion::add(const geometry_msgs::TwistWithCovarianceStamped& twist) {
     unobserved_ += std::string(unobserved_.empty() ? "" : " and ") +
                    "the yaw rate (choose another model, or a rotation_source)";
   }
-  if (unobserved_.empty()) twists_.add(velocityOf(twist));
+  if (unobserved_.empty()) {
+    twists_.add(velocityOf(twist));
+    covariance_ = twist.twist.covariance;
+  }
   changed_();
 }
 

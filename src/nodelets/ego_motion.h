@@ -50,6 +50,9 @@ class EgoMotion {
   /// Velocity of the vehicle at `time`, from the twists alone; none: see `missing`.
   std::optional<StampedVelocity> velocityAt(const ros::Time& time, double max_hold,
                                             std::string& missing) const;
+  /// Of the latest twist that was not left out, as in its message; zero before the first.
+  const geometry_msgs::TwistWithCovariance::_covariance_type& latestCovariance() const { return covariance_; }
+  bool hasRotation() const { return rotation_ != nullptr; }
   void forget();
   /// "odometry on '/rotation/odom'", or "yaw rate of the radars".
   std::string rotationText() const;
@@ -64,6 +67,7 @@ class EgoMotion {
   TwistHistory twists_;
   std::unique_ptr<RotationSource> rotation_;  // none: the twists' own
   bool needs_yaw_rate_;
+  geometry_msgs::TwistWithCovariance::_covariance_type covariance_{};
   std::string unobserved_;  // what the latest twist that was left out does not observe
 };
 

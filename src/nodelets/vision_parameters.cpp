@@ -2,7 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vision_parameters.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <stdexcept>
+
+#include "twist_history.h"
 
 namespace radar_dot {
 namespace {
@@ -85,6 +90,23 @@ MotionUncertainty motionUncertainty(const DynamicSegmentationConfig& config) {
   uncertainty.vertical_velocity_std = config.vertical_velocity_std;
   uncertainty.yaw_rate_std = config.yaw_rate_std;
   uncertainty.tilt_std = config.tilt_std;
+  return uncertainty;
+}
+
+MotionUncertainty motionUncertainty(const DynamicSegmentationConfig& config,
+                                    const geometry_msgs::TwistWithCovariance::_covariance_type& covariance,
+                                    bool has_rotation) {
+  MotionUncertainty uncertainty = motionUncertainty(config);
+  const auto widen = [&covariance](std::size_t axis, double& deviation) {
+    constexpr std::size_t kAxes = 6;
+    const double variance = covariance[axis * kAxes + axis];
+    if (variance < kUnobservedVariance) deviation = std::max(deviation, std::sqrt(std::max(variance, 0.0)));
+  };
+  constexpr std::size_t kForward = 0, kLateral = 1, kVertical = 2, kYaw = 5;
+  widen(kForward, uncertainty.forward_velocity_std);
+  widen(kLateral, uncertainty.lateral_velocity_std);
+  widen(kVertical, uncertainty.vertical_velocity_std);
+  if (!has_rotation) widen(kYaw, uncertainty.yaw_rate_std);
   return uncertainty;
 }
 

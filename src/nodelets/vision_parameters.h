@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <geometry_msgs/TwistWithCovariance.h>
+
 #include "radar_dot/DepthConfig.h"
 #include "radar_dot/DynamicSegmentationConfig.h"
 #include "radar_dot/OpticalFlowConfig.h"
@@ -19,6 +21,13 @@ DepthParams depthParams(const DepthConfig& config);
 /// @throws std::invalid_argument for a score that is not known
 MotionParams motionParams(const DynamicSegmentationConfig& config);
 MotionUncertainty motionUncertainty(const DynamicSegmentationConfig& config);
+/// The same, or where a twist is less certain of its velocities or its yaw rate, as uncertain as it says.
+/// What it does not observe stays as it is.
+/// @param covariance    as in the message, (m/s)^2 and (rad/s)^2, row-major
+/// @param has_rotation  a source of rotation tells the yaw, not the twist
+MotionUncertainty motionUncertainty(const DynamicSegmentationConfig& config,
+                                    const geometry_msgs::TwistWithCovariance::_covariance_type& covariance,
+                                    bool has_rotation);
 
 /// The name of the depth backend that takes somebody else's depth.
 inline constexpr const char* kTopicBackend = "topic";

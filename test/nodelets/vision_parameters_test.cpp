@@ -200,5 +200,23 @@ TEST(VisionParameters, EveryPresetAndInitialisationOnOfferIsKnown) {
   EXPECT_THROW(makeOpticalFlow(opticalFlowParams(config)), std::invalid_argument);
 }
 
+TEST(VisionParameters, ATwistMayBeLessCertainThanTheParameters) {
+  DynamicSegmentationConfig config = DynamicSegmentationConfig::__getDefault__();
+  config.forward_velocity_std = 0.1;
+  config.lateral_velocity_std = 0.06;
+  config.yaw_rate_std = 0.006;
+  geometry_msgs::TwistWithCovariance::_covariance_type covariance{};
+  covariance[0] = 0.25 * 0.25;
+  covariance[7] = 1e6;  // not observed
+  covariance[35] = 0.02 * 0.02;
+  const MotionUncertainty wide = motionUncertainty(config, covariance, /*has_rotation=*/false);
+  EXPECT_NEAR(wide.forward_velocity_std, 0.25, 1e-12);
+  EXPECT_EQ(wide.lateral_velocity_std, 0.06);
+  EXPECT_NEAR(wide.yaw_rate_std, 0.02, 1e-12);
+  EXPECT_EQ(motionUncertainty(config, covariance, /*has_rotation=*/true).yaw_rate_std, 0.006);
+  covariance[0] = 0.05 * 0.05;
+  EXPECT_EQ(motionUncertainty(config, covariance, false).forward_velocity_std, 0.1);
+}
+
 }  // namespace
 }  // namespace radar_dot
