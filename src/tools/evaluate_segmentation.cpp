@@ -137,14 +137,14 @@ void declareLoop(CLI::App& app, Arguments& arguments) {
 }
 
 void declareAblation(CLI::App& app, Arguments& arguments) {
-  app.add_flag("--best", arguments.best,
-               "All that --ablation adds: --score uncertainty --forward-backward --refine --look-back "
-               "--memory 0.4")
-      ->excludes("--ablation");
   app.add_flag("--ablation", arguments.ablation,
                "From the paper's masks to the best, step by step: the score by uncertainty, refined motion, "
                "radar evidence, the pair before, memory; one table, and in --json")
       ->excludes("--compare-loop");
+  app.add_flag("--best", arguments.best,
+               "All that --ablation adds: --score uncertainty --forward-backward --refine --look-back "
+               "--memory 0.4")
+      ->excludes("--ablation");
 }
 
 void declareOutputs(CLI::App& app, Arguments& arguments) {
