@@ -38,8 +38,11 @@ const StampedMask* MaskFolder::before(double time) {
   const auto after = std::upper_bound(entries_.begin(), entries_.end(), time - delay_,
                                       [](double latest, const Entry& entry) { return latest < entry.time; });
   if (after == entries_.begin()) return nullptr;
-  const auto index = static_cast<std::size_t>(after - entries_.begin()) - 1;
-  if (loaded_ == index) return &mask_;
+  return &load(static_cast<std::size_t>(after - entries_.begin()) - 1);
+}
+
+const StampedMask& MaskFolder::load(std::size_t index) {
+  if (loaded_ == index) return mask_;
   const Entry& entry = entries_[index];
   const dataset::SampleData& reading = tables_.sample_data[at(entry.row)];
   mask_.time = entry.time;
@@ -48,7 +51,7 @@ const StampedMask* MaskFolder::before(double time) {
   mask_.T_camera_from_base =
       tables_.calibrated_sensors[at(reading.calibrated_sensor)].T_base_from_sensor.inverse();
   loaded_ = index;
-  return &mask_;
+  return mask_;
 }
 
 }  // namespace radar_dot::evaluation

@@ -26,6 +26,13 @@ class MaskFolder {
   /// @throws dataset::DatasetError naming a file that is no mask.
   const StampedMask* before(double time);
 
+  std::size_t size() const noexcept { return entries_.size(); }
+  /// Of the masks in time order: s, stamp of the image, and its row in sample_data.
+  double timeOf(std::size_t index) const { return entries_[index].time; }
+  dataset::Index rowOf(std::size_t index) const { return entries_[index].row; }
+  /// The mask, good until the next call. @throws dataset::DatasetError naming a file that is no mask.
+  const StampedMask& load(std::size_t index);
+
  private:
   struct Entry {
     double time = 0.0;  // s, of the image

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/evaluation/object_evaluation.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -9,10 +11,12 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <stdexcept>
 
 #include "annotated_objects.h"
 #include "causal_motion.h"
 #include "estimated_sweeps.h"
+#include "object_masks.h"
 #include "radar_dot/objects/assignment.h"
 #include "radar_scene.h"
 
@@ -217,6 +221,45 @@ class Comparison {
   std::map<Index, std::uint64_t> last_track_;  // by instance
 };
 
+/// Feeds a tracker with scans and masks in the order in which they are known, and compares its tracks at
+/// every keyframe.
+void followObjects(const RadarScene& scene, const CausalMotion& motion, const std::vector<SeenScan>& scans,
+                   ObjectMasks* masks, const ObjectEvaluationOptions& options, Comparison& comparison) {
+  constexpr double kEnd = std::numeric_limits<double>::infinity();
+  ObjectTracker tracker(options.tracker);
+  const std::vector<double>& times = scene.keyframe_times;
+  std::size_t keyframe = 0, mask = 0;
+  const auto compareBefore = [&](double time) {
+    for (; keyframe < times.size() && times[keyframe] < time; ++keyframe)
+      if (scene.truth.covers(times[keyframe])) comparison.add(keyframe, tracker.moving(times[keyframe]));
+  };
+  const std::size_t mask_source = scene.radars.size();
+  const auto useMasksBefore = [&](double time) {
+    for (; masks != nullptr && mask < masks->size() && masks->knownFrom(mask) < time; ++mask) {
+      compareBefore(masks->knownFrom(mask));
+      const double image_time = masks->timeOf(mask);
+      if (!motion.velocityAt(image_time)) continue;
+      tracker.update(image_time, mask_source, masks->detections(mask, options.detection),
+                     motion.poseAt(image_time));
+    }
+  };
+  for (const SeenScan& scan : scans) {
+    useMasksBefore(scan.time);
+    compareBefore(scan.time);
+    tracker.update(scan.time, scan.radar, detectObjects(scan.time, scan.returns, {}, options.detection),
+                   motion.poseAt(scan.time));
+  }
+  useMasksBefore(kEnd);
+  compareBefore(kEnd);
+}
+
+/// A later mask would be refused by the tracker, every time and without a word.
+void validateMaskDelay(const ObjectEvaluationOptions& options) {
+  if (options.masks.directory.empty() || options.masks.delay <= options.tracker.max_lag) return;
+  throw std::invalid_argument(fmt::format("masks with a delay of {} s come too late for max_lag of {} s",
+                                          options.masks.delay, options.tracker.max_lag));
+}
+
 }  // namespace
 
 ReturnFilter objectFilter() {
@@ -228,6 +271,7 @@ ReturnFilter objectFilter() {
 
 ObjectReport evaluateObjects(const dataset::Tables& tables, Index scene,
                              const ObjectEvaluationOptions& options) {
+  validateMaskDelay(options);
   VelocityEvaluationOptions ego = options.ego;
   ego.filter = true;
   ExtractionParams extraction = ego.extraction;
@@ -246,23 +290,13 @@ ObjectReport evaluateObjects(const dataset::Tables& tables, Index scene,
   const std::vector<SeenScan> scans =
       seenScans(for_objects, with_doubtful ? &*with_doubtful : nullptr, motion, options);
 
+  std::optional<ObjectMasks> object_masks;
+  if (!options.masks.directory.empty()) object_masks.emplace(tables, scene, for_ego, options.masks);
+
   ObjectReport report;
   report.scene = tables.scenes[at(scene)].name;
   Comparison comparison(tables, for_objects, motion, scans, options, report);
-  ObjectTracker tracker(options.tracker);
-  std::size_t keyframe = 0;
-  const std::vector<double>& times = for_objects.keyframe_times;
-  const auto compareBefore = [&](double time) {
-    for (; keyframe < times.size() && times[keyframe] < time; ++keyframe)
-      if (for_objects.truth.covers(times[keyframe]))
-        comparison.add(keyframe, tracker.moving(times[keyframe]));
-  };
-  for (const SeenScan& scan : scans) {
-    compareBefore(scan.time);
-    tracker.update(scan.time, scan.radar, detectObjects(scan.time, scan.returns, {}, options.detection),
-                   motion.poseAt(scan.time));
-  }
-  compareBefore(std::numeric_limits<double>::infinity());
+  followObjects(for_objects, motion, scans, object_masks ? &*object_masks : nullptr, options, comparison);
   return report;
 }
 

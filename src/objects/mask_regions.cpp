@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <stdexcept>
@@ -42,17 +43,31 @@ RegionPixels pixelsOf(const cv::Mat& labels, int label, const ImageBox& box, con
   return pixels;
 }
 
+/// Residual and lateral velocity. Without flow they are unknown, which the variance says.
+void addFlow(RegionPixels& pixels, double speed_per_pixel, const MaskRegionParams& params,
+             MaskRegion& region) {
+  if (pixels.residual_x.empty()) {
+    region.flow_residual.setConstant(std::numeric_limits<double>::quiet_NaN());
+    region.lateral.variance = std::numeric_limits<double>::infinity();
+    return;
+  }
+  region.flow_residual = {median(pixels.residual_x), median(pixels.residual_y)};
+  const double du = region.flow_residual.x();
+  region.lateral.value = speed_per_pixel * du;
+  region.lateral.variance = speed_per_pixel * speed_per_pixel *
+                            (params.flow_std * params.flow_std + std::pow(params.relative_depth_std * du, 2));
+}
+
 std::optional<MaskRegion> regionOf(RegionPixels& pixels, const ImageBox& box, double interval,
                                    const CameraIntrinsics& camera,
                                    const Eigen::Isometry3d& T_base_from_camera,
                                    const MaskRegionParams& params) {
-  if (pixels.depths.empty() || pixels.residual_x.empty()) return std::nullopt;
+  if (pixels.depths.empty()) return std::nullopt;
   MaskRegion region;
   region.box = box;
   const double depth = median(pixels.depths);
   const double u = median(pixels.columns);
   const double v = box.y + 0.5 * (box.height - 1);
-  region.flow_residual = {median(pixels.residual_x), median(pixels.residual_y)};
   const Eigen::Vector3d ray = camera.rayOf(u, v);
   region.position = (T_base_from_camera * (depth * ray)).head<2>();
 
@@ -66,12 +81,8 @@ std::optional<MaskRegion> regionOf(RegionPixels& pixels, const ImageBox& box, do
       along_std * along_std * along * along.transpose() + across_std * across_std * right * right.transpose();
 
   const Eigen::Vector3d row = Eigen::Vector3d(1.0, 0.0, -ray.x());  // of V in the camera frame
-  const double speed_per_pixel = depth / (camera.fx * interval);
-  const double du = region.flow_residual.x();
   region.lateral.row = (T_base_from_camera.linear() * row).head<2>();
-  region.lateral.value = speed_per_pixel * du;
-  region.lateral.variance = speed_per_pixel * speed_per_pixel *
-                            (params.flow_std * params.flow_std + std::pow(params.relative_depth_std * du, 2));
+  addFlow(pixels, depth / (camera.fx * interval), params, region);
   return region;
 }
 

@@ -97,6 +97,30 @@ void declareObjects(CLI::App& app, ObjectEvaluationOptions& options) {
   addNumber(app, "--min-track-speed", tracker.min_speed, 0.0, 100.0, "m/s, slowest track that is reported");
 }
 
+void declareMasks(CLI::App& app, ObjectEvaluationOptions& options) {
+  radar_dot::evaluation::ObjectMaskOptions& masks = options.masks;
+  app.add_option("--masks", masks.directory,
+                 "Folder of evaluate_segmentation --save-masks: regions of moving pixels are detections too");
+  app.add_option("--mask-channel", masks.channel, "Camera of the masks")->capture_default_str();
+  app.add_option("--mask-depth", masks.depth,
+                 "radar_ground, lidar, ground_truth, noisy, files: depth of their images")
+      ->capture_default_str();
+  app.add_option("--mask-depth-directory", masks.depth_directory,
+                 "Folder of 16-bit PNG depths, for --mask-depth files");
+  addNumber(
+      app, "--mask-delay", masks.delay, 0.0, 10.0,
+      "s, from an image to the time its mask is known, at most --max-lag; what a vehicle has is 0.5 for "
+      "masks of pairs of keyframes");
+  addNumber(app, "--max-lag", options.tracker.max_lag, 0.0, 10.0,
+            "s, by which a scan or mask may be older than the newest scan");
+  app.add_flag("--mask-starts-tracks", masks.starts_tracks,
+               "Regions start tracks, too (default: they only carry on those of the radar)");
+  app.add_option("--mask-min-pixels", masks.regions.min_pixels,
+                 "Smaller regions are left out, px of a grid 800 wide")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+}
+
 int run(Arguments& arguments) {
   arguments.files.check();
   namespace dataset = radar_dot::dataset;
@@ -129,7 +153,8 @@ int run(Arguments& arguments) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Scores tracks of moving objects, from radar alone, against the annotated boxes of a dataroot.");
+      "Scores tracks of moving objects, from radar and saved masks, against the annotated boxes of a "
+      "dataroot.");
   Arguments arguments;
   arguments.options.ego.extraction.doppler_scale = radar_dot::evaluation::kNuscenesDopplerScale;
   arguments.options.ego.bearing_delay = radar_dot::evaluation::kNuscenesBearingDelay;
@@ -137,6 +162,7 @@ int main(int argc, char** argv) {
   arguments.options.ego.filter_params.lateral_slip_std = 0.01;
   declare(app, arguments);
   declareObjects(app, arguments.options);
+  declareMasks(app, arguments.options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -37,6 +37,8 @@ TEST(EvaluateObjects, BadInputGetsOneLineAndANonZeroExit) {
   expectRefusal(dataroot + " --channels RADAR_ROOF", "RADAR_ROOF");
   expectRefusal(dataroot + " --json same --csv same", "same file");
   expectRefusal(dataroot + " --strict-returns --all-returns", "exclude");
+  expectRefusal(dataroot + " --masks /nowhere/masks", "/nowhere/masks");
+  expectRefusal(dataroot + " --masks /nowhere/masks --mask-delay 0.5", "max_lag");
   EXPECT_EQ(test::runCommand(std::string(TOOL) + " --bad").exit_code, 2);
 }
 

@@ -65,6 +65,20 @@ TEST(MaskRegions, SmallOnesAndThoseWithoutDepthAreLeftOut) {
   EXPECT_TRUE(images.regions(0.1).empty());
 }
 
+TEST(MaskRegions, WithoutFlowThePlaceIsKnownAndTheVelocityIsNot) {
+  Images images;
+  images.add({100, 80, 41, 41}, 20.F, {4.0, 0.0, -3.0}, 0.05);
+  const MaskRegion with_flow = images.regions(0.05).at(0);
+  images.residual = cv::Scalar::all(std::numeric_limits<double>::quiet_NaN());
+  const auto regions = images.regions(0.05);
+  ASSERT_EQ(regions.size(), 1U);
+  EXPECT_EQ(regions[0].position, with_flow.position);
+  EXPECT_EQ(regions[0].covariance, with_flow.covariance);
+  EXPECT_TRUE(std::isnan(regions[0].flow_residual.x()));
+  EXPECT_EQ(regions[0].lateral.value, 0.0);
+  EXPECT_EQ(regions[0].lateral.variance, std::numeric_limits<double>::infinity());
+}
+
 // A pixel is a longer way for what is farther.
 TEST(MaskRegions, VarianceGrowsWithTheDepth) {
   Images images;

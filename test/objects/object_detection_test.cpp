@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace radar_dot {
@@ -106,6 +107,23 @@ TEST(ObjectDetection, TheImageTellsWhatOneRadarDoesNot) {
   EXPECT_EQ(objects[1].return_count, 0U);
   EXPECT_NEAR(objects[1].velocity.y(), -1.0, 1e-3);
   EXPECT_GT(objects[1].velocity_covariance(0, 0), 1e3) << "the image does not see what comes nearer";
+}
+
+TEST(ObjectDetection, ARegionWithoutFlowTellsThePlaceAlone) {
+  const auto ahead = seen(0, {3.5, 0.0}, {20.0, 0.0}, {3.0, 4.0});
+  const MaskRegion without_flow =
+      region({22.0, 0.2}, {{0.0, -1.0}, 0.0, std::numeric_limits<double>::infinity()});
+  const auto radar = detectObjects(0.0, {ahead});
+  const auto both = detectObjects(0.0, {ahead}, {without_flow});
+  ASSERT_EQ(both.size(), 1U);
+  EXPECT_EQ(both[0].pixel_count, 900U);
+  EXPECT_EQ(both[0].velocity, radar[0].velocity);
+  EXPECT_EQ(both[0].velocity_covariance, radar[0].velocity_covariance);
+  EXPECT_LT(both[0].position_covariance(1, 1), radar[0].position_covariance(1, 1));
+  const auto alone = detectObjects(0.0, {}, {without_flow});
+  ASSERT_EQ(alone.size(), 1U);
+  EXPECT_TRUE(alone[0].velocity.isZero());
+  EXPECT_NEAR(alone[0].velocity_covariance(1, 1), 1e4, 1e-6);
 }
 
 TEST(ObjectDetection, RefusesParametersWithoutSense) {

@@ -11,6 +11,7 @@
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
 #include "radar_dot/evaluation/mean.h"
+#include "radar_dot/objects/mask_regions.h"
 #include "radar_dot/objects/object_detection.h"
 #include "radar_dot/objects/object_tracker.h"
 #include "radar_dot/radar/returns_over_ground.h"
@@ -20,6 +21,24 @@ namespace radar_dot::evaluation {
 /// Which returns objects are sought in: more than the ego velocity is estimated from. All states of validity
 /// that the sensor calls valid with a reservation, and a false-alarm probability up to 75 %.
 ReturnFilter objectFilter();
+
+/// Saved masks as a further source of detections. They have no flow, so that they tell where something is,
+/// not how fast.
+struct ObjectMaskOptions {
+  std::string directory;              ///< with <stem of the image>.png of every mask; empty = no masks
+  std::string channel = "CAM_FRONT";  ///< the camera
+  /// Depth of the image: a backend of makeDepthEstimator but "torch", "ground_truth", "noisy", or "files"
+  /// with its folder, as in SegmentationEvaluationOptions.
+  std::string depth = "radar_ground";
+  std::string depth_directory;
+  int working_width = 800;  ///< px, of the grid of depth and regions; 0 = that of the images
+  /// s, from an image to the time its mask is known: it is used then, as a measurement at the time of its
+  /// image. At most ObjectTrackerParams::max_lag. 0 lets a mask that was made with a later image speak too
+  /// early.
+  double delay = 0.0;
+  bool starts_tracks = false;  ///< regions start tracks too; else they carry on those of the radar
+  MaskRegionParams regions;
+};
 
 /// What is evaluated, and with which parameters.
 struct ObjectEvaluationOptions {
@@ -32,6 +51,7 @@ struct ObjectEvaluationOptions {
   OverGroundParams returns;
   DetectionParams detection;
   ObjectTrackerParams tracker;
+  ObjectMaskOptions masks;
 
   /// Where objects count: distance and azimuth of their centre from the origin of the base frame.
   double max_range = 50.0;                  ///< m
@@ -93,17 +113,19 @@ struct ObjectReport {
   ObjectReport& operator+=(const ObjectReport& other);
 };
 
-/// Follows the moving objects of a scene with radar alone, causally, and compares them at every keyframe with
-/// the annotated boxes. The ego velocity and the world-fixed frame are the package's own; the true poses
-/// serve to bring tracks to the map frame of the boxes.
+/// Follows the moving objects of a scene with radar, and with saved masks where there are some, and compares
+/// them at every keyframe with the annotated boxes. All is causal, but for masks that `masks.delay` lets
+/// speak too early. The ego velocity and the world-fixed frame are the package's own; the true poses serve to
+/// bring tracks to the map frame of the boxes.
 ///
 /// A box moves when its attribute says so and its speed, by central difference of its track, is at least
 /// min_speed. It stands when neither is so, and its state is unknown otherwise, or when its track has one
 /// box. A track matches a box when it lies in it, grown by `margin`, or within centre_distance of its centre;
 /// matching is one-to-one with the least sum of distances. A mover in the region may be matched by any track,
 /// and a track in the region by any mover.
-/// @throws NoRadarFiles, dataset::DatasetError as evaluateEgoVelocity; std::invalid_argument for parameters
-///         that make no sense.
+/// @throws NoRadarFiles and dataset::DatasetError as evaluateEgoVelocity, the latter also naming the folder
+///         where it holds no mask of the scene, or an image without depth; std::invalid_argument for
+///         parameters that make no sense.
 ObjectReport evaluateObjects(const dataset::Tables& tables, dataset::Index scene,
                              const ObjectEvaluationOptions& options = {});
 

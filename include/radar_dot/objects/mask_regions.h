@@ -33,7 +33,8 @@ void validate(const MaskRegionParams& params);
 ///
 /// @param mask           CV_8UC1 on the grid of `camera`, not 0 = moves
 /// @param depth          CV_32FC1, m, the same grid; NaN = unknown. A region without any depth is left out.
-/// @param flow_residual  CV_32FC2, px over `interval`: measured minus expected flow; NaN = unknown
+/// @param flow_residual  CV_32FC2, px over `interval`: measured minus expected flow; NaN = unknown.
+///                       A region without any flow has a place, but its velocity is unknown.
 /// @param interval       s, of the pair of images, positive
 /// @throws std::invalid_argument for images of other types or sizes, and an interval that is not positive
 std::vector<MaskRegion> regionsOfMask(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& flow_residual,

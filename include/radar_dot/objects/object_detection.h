@@ -32,7 +32,8 @@ struct MaskRegion {
   std::size_t pixel_count = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();    ///< m, base frame: median pixel at the median depth
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m^2
-  /// px, median flow residual over the interval of the pair of images, and what follows from it.
+  /// px, median flow residual over the interval of the pair of images, and what follows from it. NaN and
+  /// an infinite variance where no flow is known.
   Eigen::Vector2d flow_residual = Eigen::Vector2d::Zero();
   VelocityConstraint lateral;
 };
