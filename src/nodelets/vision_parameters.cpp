@@ -66,6 +66,7 @@ MotionParams motionParams(const DynamicSegmentationConfig& config) {
   params.depth_std = config.depth_std;
   params.next_depth_std = config.next_depth_std;
   params.false_alarm = config.false_alarm;
+  params.min_scale = config.min_scale;
   params.seed = config.seed;
   params.radar_azimuth_std = config.radar_azimuth_std;
   params.k = config.k;

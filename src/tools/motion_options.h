@@ -39,6 +39,10 @@ inline void declareScore(CLI::App& app, MotionParams& motion) {
   app.add_option("--static-gain", motion.static_gain,
                  "Static returns lower the score by this factor, less 1; 0 = off")
       ->capture_default_str();
+  app.add_option("--min-scale", motion.min_scale,
+                 "Least multiple of the threshold where images agree better than the uncertainties say "
+                 "(uncertainty)")
+      ->capture_default_str();
   app.add_option("--seed", motion.seed,
                  "Multiple of the threshold that a part of a region must reach; 1 = off (uncertainty)")
       ->capture_default_str();

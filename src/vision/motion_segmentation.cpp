@@ -54,10 +54,10 @@ RADAR_DOT_VECTORISED void thresholdRow(const float* scores, int columns, float t
   }
 }
 
-/// By how much scores with this median are larger than the model of static pixels says, 1 or more.
-double scaleOf(double median) {
+/// By how much scores with this median are larger than the model of static pixels says, `least` or more.
+double scaleOf(double median, double least) {
   // A third component that is not known everywhere is as if it were zero: the median is that of two.
-  return std::max(1.0, median / uncertainty_terms::chiMedian(2));
+  return std::max(least, median / uncertainty_terms::chiMedian(2));
 }
 
 using Histograms = tbb::enumerable_thread_specific<FloatHistogram>;
@@ -123,6 +123,7 @@ void validate(const MotionParams& params) {
   kChecks.notNegative("radar_gain", params.radar_gain);
   kChecks.notNegative("static_gain", params.static_gain);
   kChecks.notNegative("radar_azimuth_std", params.radar_azimuth_std);
+  kChecks.positive("min_scale", params.min_scale);
   kChecks.require(params.seed >= 1.0 && std::isfinite(params.seed), "seed", params.seed, "1 or more");
   kChecks.positive("radar_radius", params.radar_radius);
 }
@@ -359,10 +360,11 @@ const MotionResult& MotionSegmenter::segment(const MotionInput& input, const Mot
     return result;
   }
   result.median = work.score(input, pass, result.score);
-  result.scale = scaleOf(result.median);
+  result.scale = scaleOf(result.median, params_.min_scale);
   if (before != nullptr) {
     const PassConstants pass_before(*before, params_, result.median_depth);
-    const double scale_before = scaleOf(work.score(*before, pass_before, work.score_before));
+    const double scale_before =
+        scaleOf(work.score(*before, pass_before, work.score_before), params_.min_scale);
     work.addPairBefore(result.scale / scale_before);
   }
   const int degrees = input.next_depth.empty() ? 2 : 3;

@@ -77,6 +77,7 @@ void expectEqual(const MotionParams& params, const MotionParams& expected) {
   EXPECT_EQ(params.depth_std, expected.depth_std);
   EXPECT_EQ(params.next_depth_std, expected.next_depth_std);
   EXPECT_EQ(params.false_alarm, expected.false_alarm);
+  EXPECT_EQ(params.min_scale, expected.min_scale);
   EXPECT_EQ(params.seed, expected.seed);
   EXPECT_EQ(params.radar_azimuth_std, expected.radar_azimuth_std);
   EXPECT_EQ(params.radar_gain, expected.radar_gain);
@@ -165,6 +166,7 @@ TEST(VisionParameters, EveryParameterOfTheSegmentationArrives) {
   config.depth_std = expected.depth_std = 0.15;
   config.next_depth_std = expected.next_depth_std = 0.35;
   config.false_alarm = expected.false_alarm = 1e-4;
+  config.min_scale = expected.min_scale = 0.75;
   config.seed = expected.seed = 1.75;
   config.radar_azimuth_std = expected.radar_azimuth_std = 0.02;
   config.radar_gain = expected.radar_gain = 0.75;

@@ -47,7 +47,7 @@ class Wall {
     params.flow_std = 0.5;
     params.depth_std = 0.05;
     params.opening = params.closing = 0;
-    params.seed = 1.0;
+    params.seed = params.min_scale = 1.0;
     return params;
   }
 };

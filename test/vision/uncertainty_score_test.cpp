@@ -107,10 +107,10 @@ TEST(UncertaintyTerms, SpreadOfTheMotionIsJSigmaJt) {
     const Eigen::Matrix2d expected = jacobian * covariance * jacobian.transpose();
     Eigen::Matrix2d found = Eigen::Matrix2d::Zero();
     for (const terms::SmallMotion& direction : terms::spreadOf(covariance)) {
-      const terms::PixelShift shift = terms::byMotion(
-          static_cast<float>(kCamera.fx), static_cast<float>(kCamera.fy),
-          static_cast<float>((pixel.x() - kCamera.cx) / kCamera.fx),
-          static_cast<float>((pixel.y() - kCamera.cy) / kCamera.fy), 0.1F, direction);
+      const terms::PixelShift shift =
+          terms::byMotion(static_cast<float>(kCamera.fx), static_cast<float>(kCamera.fy),
+                          static_cast<float>((pixel.x() - kCamera.cx) / kCamera.fx),
+                          static_cast<float>((pixel.y() - kCamera.cy) / kCamera.fy), 0.1F, direction);
       const Eigen::Vector2d moved(static_cast<double>(shift.u), static_cast<double>(shift.v));
       found += moved * moved.transpose();
     }
@@ -194,7 +194,7 @@ MotionParams exactModel() {
   params.flow_std_relative = 0.02;
   params.depth_std = 0.05;
   params.false_alarm = 1e-5;
-  params.seed = 1.0;
+  params.seed = params.min_scale = 1.0;
   params.opening = params.closing = 0;
   params.predicted_in_view = false;
   return params;
@@ -228,6 +228,23 @@ TEST(UncertaintyScore, ThresholdGrowsWithWhatTheModelLeavesOut) {
   const MotionResult& result = segmenter.segment(input);
   EXPECT_NEAR(result.median, 4.0 * terms::chiMedian(2), 0.1);
   EXPECT_NEAR(shareAbove(result), 0.01, 0.003);
+}
+
+TEST(UncertaintyScore, ThresholdFallsWithImagesBetterThanTheModel) {
+  MotionParams params = exactModel();
+  params.false_alarm = 0.01;
+  const MotionInput input = StaticWorld(params).input(Matrix6::Zero());
+  params.flow_std *= 4.0;
+  params.flow_std_relative *= 4.0;
+  params.depth_std *= 4.0;  // four times too doubtful of everything
+  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
+  params.min_scale = 0.1;
+  MotionSegmenter segmenter(params);
+  const MotionResult& result = segmenter.segment(input);
+  EXPECT_NEAR(result.scale, 0.25, 0.01);
+  EXPECT_NEAR(shareAbove(result), 0.01, 0.003);
+  params.min_scale = 0.5;
+  EXPECT_EQ(MotionSegmenter(params).segment(input).scale, 0.5);
 }
 
 /// Of a camera that drives towards a wall 20 m away, 1 m.
@@ -338,6 +355,7 @@ TEST(UncertaintyScore, ParametersThatMakeNoSenseAreRefused) {
   refused([](MotionParams& p) { p.next_depth_std = 0.0; }, "next_depth_std");
   refused([](MotionParams& p) { p.false_alarm = 0.0; }, "false_alarm");
   refused([](MotionParams& p) { p.seed = 0.5; }, "seed");
+  refused([](MotionParams& p) { p.min_scale = 0.0; }, "min_scale");
   refused([](MotionParams& p) { p.static_gain = -1.0; }, "static_gain");
   MotionInput input = wall();
   input.flow_closure = cv::Mat(4, 4, CV_32FC1);

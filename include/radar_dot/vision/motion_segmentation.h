@@ -41,12 +41,13 @@ struct MotionParams {
   double depth_std = 0.2;           ///< share of the inverse depth, where MotionInput::depth_std does not say
   double next_depth_std = 0.5;      ///< share of the depth, of a depth seen in the second image
   /// Probability that a static pixel is above the threshold, were the uncertainties exact. What they leave
-  /// out is measured in every image: where the median of the score is larger than theirs, the threshold grows
-  /// with it.
+  /// out is measured in every image: the threshold grows and falls with the median of the score over that of
+  /// static pixels,
   double false_alarm = 1e-3;
+  double min_scale = 0.6;  ///< but not below this multiple
   /// Hysteresis: a region above the threshold counts where a part of it that stands the opening is above this
   /// multiple of it; 1 = off.
-  double seed = 2.0;
+  double seed = 3.5;
 
   /// A predicted point farther than the depth seen there by this share of its own depth is hidden in the
   /// second image. Well above the depth errors, so that a mover that comes nearer is not taken for an
@@ -104,8 +105,8 @@ struct MotionResult {
   double median_depth = 0.0;  ///< m, the paper's Z~
   double median = 0.0;        ///< of S
   double mad = 0.0;           ///< of S; 0 with the score by uncertainty
-  double scale = 1.0;         ///< by which scores are larger than the uncertainties say, 1 or more
-  double threshold = 0.0;     ///< tau
+  double scale = 1.0;      ///< of scores over the uncertainties, min_scale or more; 1 with the paper's score
+  double threshold = 0.0;  ///< tau
   std::size_t valid_count = 0;
 };
 
