@@ -243,6 +243,7 @@ std::optional<SceneRunner::Prepared> SceneRunner::prepare(const ImagePair& pair,
   input.T_current_from_previous = staticPointMotion(T_base_from_camera, *motion);
   input.depth = images_.depthOf(pair.first);
   input.next_depth = images_.depthOf(pair.second);
+  if (options_.depth_uncertainty) input.depth_std = images_.relativeStdOf(pair.first);
   const FlowField field = images_.flowOf(pair, input);
   input.flow = field.flow;
   const bool by_uncertainty = options_.motion.score == MotionScore::kUncertainty;
@@ -276,6 +277,7 @@ std::optional<MotionInput> SceneRunner::lookBack(const Prepared& prepared) {
   if (!latest_) return std::nullopt;
   MotionInput seen = seenFromSecond(latest_->input, latest_->backward.flow, latest_->backward.closure);
   seen.depth = prepared.input.depth;
+  seen.depth_std = prepared.input.depth_std;
   seen.dynamic_points = prepared.input.dynamic_points;
   seen.static_points = prepared.input.static_points;
   return seen;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "ground_ray.h"
 #include "motion_images.h"
 #include "parameter_checks.h"
 #include "radar_dot/vision/depth_estimator.h"
@@ -24,25 +25,12 @@ using Matrix8 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Jacobian = Eigen::Matrix<double, 2, kUnknowns>;
 
 constexpr double kSameDepth = 0.01;  // share of the depth within which a pixel shows the plane
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kLeastPixels = 50;
 constexpr double kMedianOfChiSquare = 1.3863;  // 2 degrees of freedom
 constexpr double kExact = 1e-12;               // variances that stand for zero: a prior that holds
 
 const ParameterChecks kChecks("motion refinement");
-
-/// Inverse depth of the plane z = height + slope x (base frame) along a ray, and its derivatives.
-struct GroundRay {
-  double rho = 0.0, by_slope = 0.0, by_height = 0.0;  // 1/m, per unit of slope, per m
-};
-
-GroundRay groundRay(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera, double u,
-                    double v, double slope, double height) {
-  const Eigen::Vector3d c = T_base_from_camera.translation();
-  const Eigen::Vector3d d = T_base_from_camera.linear() * camera.rayOf(u, v);
-  const double across = d.z() - slope * d.x();
-  const double above = height + slope * c.x() - c.z();  // negative: the camera is above the ground
-  return {across / above, -d.x() / above - across * c.x() / (above * above), -across / (above * above)};
-}
 
 struct Pixel {
   double u = 0.0, v = 0.0;
@@ -139,11 +127,13 @@ void Refiner::collect() {
         if (gap > 0.0) pixel.flow_variance += std::pow(params_.closure_weight * gap, 2);
       }
       pixel.rho = 1.0 / depth;
-      pixel.rho_std = input_.depth_std.empty() ? params_.depth_std
-                                               : static_cast<double>(input_.depth_std.at<float>(v, u));
+      const double declared =
+          input_.depth_std.empty() ? kUnknown : static_cast<double>(input_.depth_std.at<float>(v, u));
+      pixel.rho_std = declared >= 0.0 ? declared : params_.depth_std;  // also for NaN
       if (ground_) {
         const GroundRay ray = groundRay(camera, ground_->T_base_from_camera, u, v, slope_, height_);
         pixel.is_ground = std::abs(ray.rho * depth - 1.0) < kSameDepth;
+        // The errors that all of the ground shares are unknowns here, not noise.
         if (pixel.is_ground) pixel.rho_std = params_.ground_depth_std;
       }
       pixels_.push_back(pixel);

@@ -171,6 +171,26 @@ TEST(RefineMotion, StandsDepthsThatAreNone) {
   EXPECT_LT(errorOf(refined, moved(change, drive())).head<3>().norm(), 5e-3);
 }
 
+// Depth of one half of the image is wrong by half; only what it says of itself tells which.
+TEST(RefineMotion, LooksAtTheUncertaintyOfEveryDepth) {
+  MotionInput input = street(drive(), flat());
+  input.depth.colRange(0, 200) *= 1.5;
+  input.T_current_from_previous = drive();
+  input.motion_covariance = prior();
+  RefinementParams params;
+  params.depth_std = 0.01;
+  params.kernel_width = 1e6;  // all pixels count
+  const double misled = errorOf(refineMotion(input, std::nullopt, params), drive()).norm();
+  input.depth_std = cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(0.01));
+  input.depth_std.colRange(0, 200).setTo(2.0);
+  EXPECT_LT(errorOf(refineMotion(input, std::nullopt, params), drive()).norm(), 0.3 * misled);
+  // One pixel that says nothing must not spoil the others: the parameter holds.
+  input.depth_std.colRange(200, 300).setTo(std::numeric_limits<double>::quiet_NaN());
+  const RefinedMotion refined = refineMotion(input, std::nullopt, params);
+  EXPECT_LT(errorOf(refined, drive()).norm(), 0.3 * misled);
+  EXPECT_GT(refined.correction.norm(), 0.0);
+}
+
 TEST(RefineMotion, TooLittleChangesNothing) {
   MotionInput input = street(drive(), flat());
   input.T_current_from_previous = drive();

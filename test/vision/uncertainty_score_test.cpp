@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <random>
 #include <stdexcept>
@@ -107,10 +108,10 @@ TEST(UncertaintyTerms, SpreadOfTheMotionIsJSigmaJt) {
     const Eigen::Matrix2d expected = jacobian * covariance * jacobian.transpose();
     Eigen::Matrix2d found = Eigen::Matrix2d::Zero();
     for (const terms::SmallMotion& direction : terms::spreadOf(covariance)) {
-      const terms::PixelShift shift = terms::byMotion(
-          static_cast<float>(kCamera.fx), static_cast<float>(kCamera.fy),
-          static_cast<float>((pixel.x() - kCamera.cx) / kCamera.fx),
-          static_cast<float>((pixel.y() - kCamera.cy) / kCamera.fy), 0.1F, direction);
+      const terms::PixelShift shift =
+          terms::byMotion(static_cast<float>(kCamera.fx), static_cast<float>(kCamera.fy),
+                          static_cast<float>((pixel.x() - kCamera.cx) / kCamera.fx),
+                          static_cast<float>((pixel.y() - kCamera.cy) / kCamera.fy), 0.1F, direction);
       const Eigen::Vector2d moved(static_cast<double>(shift.u), static_cast<double>(shift.v));
       found += moved * moved.transpose();
     }
@@ -270,6 +271,11 @@ TEST(UncertaintyScore, LooksAtTheNoiseOfEveryPixel) {
   move(input, {250, 120, 20, 10}, {6.0F, -6.0F});  // now along the direction of depth
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
   input.depth_std(cv::Rect(250, 120, 20, 10)).setTo(1.0);
+  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
+  // What is not a number says nothing: the parameter holds.
+  input.depth_std(cv::Rect(250, 120, 20, 10)).setTo(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
+  params.depth_std = 1.0;
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
 }
 
