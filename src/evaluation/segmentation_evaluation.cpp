@@ -186,6 +186,8 @@ void SceneRunner::refine(const ImagePair& pair, MotionInput& input) {
   input.T_current_from_previous = refined.T_current_from_previous;
   input.motion_covariance = refined.covariance;
   if (!ground) return;
+  if (!input.depth_std.empty())
+    input.depth_std = exchangeGroundStd(input.depth_std, input.depth, input.camera, *ground, refined);
   const double farthest = options_.depth_params.max_depth;
   input.depth = exchangeGround(input.depth, input.camera, *ground, *refined.ground, farthest);
   input.next_depth = exchangeGround(input.next_depth, input.camera, *ground, *refined.ground, farthest);

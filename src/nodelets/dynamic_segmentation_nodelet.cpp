@@ -306,6 +306,8 @@ void DynamicSegmentationNodelet::refine(Inputs& inputs) {
   motion.T_current_from_previous = refined.T_current_from_previous;
   motion.motion_covariance = refined.covariance;
   if (ground) {
+    if (!motion.depth_std.empty())
+      motion.depth_std = exchangeGroundStd(motion.depth_std, motion.depth, motion.camera, *ground, refined);
     motion.depth = exchangeGround(motion.depth, motion.camera, *ground, *refined.ground, config_.max_depth);
     if (!motion.next_depth.empty())
       motion.next_depth =

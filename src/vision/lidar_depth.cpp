@@ -102,7 +102,7 @@ class LidarDepth : public DepthEstimator {
     const cv::Mat points =
         projectedDepth(input.lidar_points, input.camera, input.T_base_from_camera, params_.max_depth);
     cv::Mat distance;  // px, to the nearest point; no point: far
-    cv::distanceTransform(points != points, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    cv::distanceTransform(~(points == points), distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
     const auto at_point = static_cast<float>(params_.lidar_std);
     const auto per_pixel = static_cast<float>(params_.completion_std * kImageWidth / depth.cols);
     cv::Mat stds = constantStd(depth, 0.0);

@@ -63,15 +63,21 @@ class Refiner {
     refined.T_current_from_previous = motion_;
     refined.covariance = input_.motion_covariance;
     refined.ground = ground_;
+    refined.ground_uncertainty = {params_.ground_pitch_std, params_.ground_height_std,
+                                  params_.ground_depth_std};
     refined.pixels = pixels_.size();
     if (pixels_.size() < kLeastPixels) return refined;
     for (int i = 0; i < params_.iterations; ++i) step();
     refined.T_current_from_previous = motion_;
     refined.correction = total_.head<6>();
-    refined.covariance = information_.llt().solve(Matrix8::Identity()).topLeftCorner<6, 6>();
+    const Matrix8 covariance = information_.llt().solve(Matrix8::Identity());
+    refined.covariance = covariance.topLeftCorner<6, 6>();
     if (ground_) {
-      refined.ground->pitch = std::atan(slope_ + total_[kSlope]);
+      const double slope = slope_ + total_[kSlope];
+      refined.ground->pitch = std::atan(slope);
       refined.ground->height = height_ + total_[kHeight];
+      refined.ground_uncertainty.pitch_std = std::sqrt(covariance(kSlope, kSlope)) / (1.0 + slope * slope);
+      refined.ground_uncertainty.height_std = std::sqrt(covariance(kHeight, kHeight));
     }
     return refined;
   }
@@ -275,6 +281,30 @@ cv::Mat exchangeGround(const cv::Mat& depth, const CameraIntrinsics& camera, con
     for (int column = 0; column < depth.cols; ++column) {
       if (std::fabs(pixels[column] / old_ground[column] - 1.0F) < static_cast<float>(kSameDepth))
         pixels[column] = new_ground[column];
+    }
+  }
+  return exchanged;
+}
+
+cv::Mat exchangeGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
+                          const GroundPlane& drawn, const RefinedMotion& refined) {
+  requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
+  requireImage(relative_std, CV_32FC1, camera, "relative_std", "CV_32FC1");
+  if (!refined.ground) return relative_std;
+  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  const cv::Mat before =
+      groundDepth(camera, drawn.T_base_from_camera, drawn.height, drawn.pitch, kEverywhere);
+  const cv::Mat ground = groundRelativeStd(camera, drawn.T_base_from_camera, refined.ground->height,
+                                           refined.ground->pitch, refined.ground_uncertainty);
+  cv::Mat exchanged = relative_std.clone();
+  for (int row = 0; row < depth.rows; ++row) {
+    const auto* old_ground = before.ptr<float>(row);
+    const auto* depths = depth.ptr<float>(row);
+    const auto* stds = ground.ptr<float>(row);
+    auto* pixels = exchanged.ptr<float>(row);
+    for (int column = 0; column < depth.cols; ++column) {
+      if (std::fabs(depths[column] / old_ground[column] - 1.0F) < static_cast<float>(kSameDepth))
+        pixels[column] = stds[column];
     }
   }
   return exchanged;

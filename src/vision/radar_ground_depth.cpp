@@ -126,7 +126,7 @@ class RadarGroundDepth : public DepthEstimator {
     if (depth.type() != CV_32FC1 || depth.size() != stds.size())
       throw std::invalid_argument(
           "depth 'radar_ground': the depth must be CV_32FC1 on the grid of the camera");
-    stds.setTo(std::numeric_limits<double>::quiet_NaN(), depth != depth);
+    stds.setTo(std::numeric_limits<double>::quiet_NaN(), ~(depth == depth));
     return stds;
   }
 

@@ -149,7 +149,7 @@ TEST(VisionParameters, EveryParameterOfDepthArrives) {
   config.ground_pitch_std = expected.ground_pitch_std = 0.03;
   config.ground_height_std = expected.ground_height_std = 0.06;
   config.ground_relative_std = expected.ground_relative_std = 0.14;
-  config.column_std = expected.column_std = 0.35;
+  config.column_std = expected.column_std = 0.45;
   config.background_std = expected.background_std = 0.75;
   config.lidar_std = expected.lidar_std = 0.045;
   config.completion_std = expected.completion_std = 0.0125;

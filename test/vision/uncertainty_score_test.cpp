@@ -108,10 +108,10 @@ TEST(UncertaintyTerms, SpreadOfTheMotionIsJSigmaJt) {
     const Eigen::Matrix2d expected = jacobian * covariance * jacobian.transpose();
     Eigen::Matrix2d found = Eigen::Matrix2d::Zero();
     for (const terms::SmallMotion& direction : terms::spreadOf(covariance)) {
-      const terms::PixelShift shift =
-          terms::byMotion(static_cast<float>(kCamera.fx), static_cast<float>(kCamera.fy),
-                          static_cast<float>((pixel.x() - kCamera.cx) / kCamera.fx),
-                          static_cast<float>((pixel.y() - kCamera.cy) / kCamera.fy), 0.1F, direction);
+      const terms::PixelShift shift = terms::byMotion(
+          static_cast<float>(kCamera.fx), static_cast<float>(kCamera.fy),
+          static_cast<float>((pixel.x() - kCamera.cx) / kCamera.fx),
+          static_cast<float>((pixel.y() - kCamera.cy) / kCamera.fy), 0.1F, direction);
       const Eigen::Vector2d moved(static_cast<double>(shift.u), static_cast<double>(shift.v));
       found += moved * moved.transpose();
     }

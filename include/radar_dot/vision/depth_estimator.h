@@ -60,16 +60,16 @@ struct DepthParams {
   double ground_pitch_std = GroundUncertainty{}.pitch_std;    ///< rad, as groundRelativeStd
   double ground_height_std = GroundUncertainty{}.height_std;  ///< m
   double ground_relative_std = GroundUncertainty{}.relative_std;  ///< share of the inverse depth
-  double column_std = 0.3;      ///< 1 sigma of the inverse depth in a column, share of it
-  double background_std = 0.6;  ///< the same of the background
+  double column_std = 0.35;     ///< 1 sigma of the inverse depth in a column, share of it
+  double background_std = 0.5;  ///< the same of the background
 
   // lidar
   /// px at 1600 px image width: largest gap between points that is filled. Beams of a 32-beam lidar are
   /// 30 px apart.
   int completion_kernel = 40;
-  double lidar_std = 0.03;  ///< 1 sigma of the inverse depth where a point is, share of it
+  double lidar_std = 0.005;  ///< 1 sigma of the inverse depth where a point is, share of it
   /// Share per px at 1600 px image width to the nearest point: sigma^2 = lidar_std^2 + (this px)^2.
-  double completion_std = 0.01;
+  double completion_std = 0.0012;
 
   NetworkParams network;  ///< torch: with JustDepth's signature, see just_depth.h
 };

@@ -61,8 +61,9 @@ struct RefinedMotion {
   /// (omega, tau) after the motion given, rad and m, camera frame at t
   Eigen::Matrix<double, 6, 1> correction = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of the refined motion
-  std::optional<GroundPlane> ground;  ///< refined, where one was given
-  std::size_t pixels = 0;             ///< that were looked at; fewer than 50: the motion is the one given
+  std::optional<GroundPlane> ground;     ///< refined, where one was given
+  GroundUncertainty ground_uncertainty;  ///< of the refined ground
+  std::size_t pixels = 0;                ///< that were looked at; fewer than 50: the motion is the one given
 };
 
 /// Motion of the camera from flow and depth of all pixels, with the motion given and its covariance as the
@@ -82,5 +83,11 @@ RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundP
 /// Depth whose pixels of one ground plane are those of another. @param max_depth  m, farther is unknown
 cv::Mat exchangeGround(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
                        const GroundPlane& refined, double max_depth);
+
+/// The uncertainty of that depth (share of the inverse depth, CV_32FC1): where `depth` shows the drawn
+/// ground, that of the refined one, else as in `relative_std`. @param depth  m, before its ground is
+/// exchanged
+cv::Mat exchangeGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
+                          const GroundPlane& drawn, const RefinedMotion& refined);
 
 }  // namespace radar_dot
