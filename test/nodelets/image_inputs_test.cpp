@@ -205,7 +205,8 @@ TEST_F(ImageInputs, DepthSaysHowUncertainItIs) {
       }
     }
     ADD_FAILURE() << name << ": none with the stamp of a depth";
-    return std::pair(cv::Mat::zeros(180, 320, CV_32FC1).clone(), cv::Mat::zeros(180, 320, CV_32FC1).clone());
+    const cv::Mat none = cv::Mat::zeros(180, 320, CV_32FC1);
+    return std::pair(none, none);
   };
   EXPECT_FLOAT_EQ(pairOf("topic_depth").second.at<float>(40, 40), 0.125F);
   const cv::Mat ground = pairOf("ground_depth").second;
