@@ -185,8 +185,8 @@ TEST(DepthReports, FiguresStandInTableAndFiles) {
       "scene,mae_50,rmse_50,coverage_50,mae_70,rmse_70,coverage_70,mae_80,rmse_80,coverage_80,sigma_median,"
       "sigma_68,images,without_truth,true_pixels_50,compared_50,true_pixels_70,compared_70,true_pixels_80,"
       "compared_80\n"
-      "scene-0001,1.500000,2.000000,0.500000,,,,,,,1.252968,1.252968,2,1,200,100,0,0,0,0\n"
-      "overall,1.500000,2.000000,0.500000,,,,,,,1.252968,1.252968,4,2,400,200,0,0,0,0\n");
+      "scene-0001,1.500000,2.000000,0.500000,,,,,,,1.251699,1.251699,2,1,200,100,0,0,0,0\n"
+      "overall,1.500000,2.000000,0.500000,,,,,,,1.251699,1.251699,4,2,400,200,0,0,0,0\n");
   EXPECT_NE(formatTable({report}, overall).find("Overall             4         2     1.500     2.000"),
             std::string::npos)
       << formatTable({report}, overall);
