@@ -17,6 +17,8 @@ namespace {
 using dataset::Index;
 using dataset::Tables;
 
+constexpr double kWithinSigma = 0.6827;  // share of normal errors within 1 sigma
+
 std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
   const std::vector<Index> readings = tables.readingsOf(scene, options.channel);
   const std::string& name = tables.scenes[at(scene)].name;
@@ -43,6 +45,8 @@ Figures figuresOf(const DepthReport& report) {
     figures.emplace_back(fmt::format("rmse_{:.0f}", limit), sums.rootMeanSquaredError());
     figures.emplace_back(fmt::format("coverage_{:.0f}", limit), sums.coverage());
   }
+  figures.emplace_back("sigma_median", report.errors.normalised.quantile(0.5));
+  figures.emplace_back("sigma_68", report.errors.normalised.quantile(kWithinSigma));
   return figures;
 }
 
@@ -84,7 +88,8 @@ DepthReport evaluateDepth(const Tables& tables, Index scene, const DepthEvaluati
       continue;
     }
     depths.keepOnly(row);
-    report.errors.add(depths.depthOf(row), by_lidar ? depths.heldOutDepth(row) : depths.trueDepth(row));
+    report.errors.add(depths.depthOf(row), by_lidar ? depths.heldOutDepth(row) : depths.trueDepth(row),
+                      depths.relativeStdOf(row));
     ++report.images;
   }
   return report;
@@ -96,7 +101,7 @@ std::string formatTable(const std::vector<DepthReport>& scenes, const DepthRepor
     table += fmt::format("{:>10}{:>10}{:>10}", fmt::format("MAE {:.0f}", limit),
                          fmt::format("RMSE {:.0f}", limit), fmt::format("cover {:.0f}", limit));
   }
-  table += "\n";
+  table += fmt::format("{:>10}{:>10}\n", "sigma 50%", "sigma 68%");
   const auto row = [&table](const DepthReport& report, const std::string& name) {
     table += fmt::format("{:<14}{:>7}{:>10}", name, report.images, report.without_truth);
     for (const auto& [key, value] : figuresOf(report)) table += fmt::format("{:>10}", figure(value));

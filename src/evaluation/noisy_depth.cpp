@@ -65,6 +65,11 @@ cv::Mat bled(const cv::Mat& depth, int width) {
   return result;
 }
 
+/// @param depth  m, true
+double sigmaAt(double depth, const NoisyDepthParams& params) {
+  return params.relative_std * std::pow(depth / NoisyDepthParams::kReferenceDepth, params.growth);
+}
+
 }  // namespace
 
 cv::Mat noisyDepth(const cv::Mat& true_depth, const NoisyDepthParams& params, std::uint64_t seed) {
@@ -83,9 +88,7 @@ cv::Mat noisyDepth(const cv::Mat& true_depth, const NoisyDepthParams& params, st
     for (int column = 0; column < depth.cols; ++column) {
       float& d = depth.at<float>(row, column);
       if (!(d > 0.0F)) continue;
-      const double sigma =
-          params.relative_std *
-          std::pow(static_cast<double>(d) / NoisyDepthParams::kReferenceDepth, params.growth);
+      const double sigma = sigmaAt(static_cast<double>(d), params);
       d *= static_cast<float>(std::exp(sigma * static_cast<double>(field.at<float>(row, column))));
     }
   }
@@ -99,6 +102,21 @@ cv::Mat noisyDepth(const cv::Mat& true_depth, const NoisyDepthParams& params, st
                cv::FILLED);
   }
   return depth;
+}
+
+cv::Mat noisyDepthStd(const cv::Mat& true_depth, const cv::Mat& noisy_depth, const NoisyDepthParams& params) {
+  if (true_depth.type() != CV_32FC1 || noisy_depth.type() != CV_32FC1 ||
+      true_depth.size() != noisy_depth.size())
+    throw std::invalid_argument("noisy depth: both depths must be CV_32FC1 and of one size");
+  cv::Mat stds(true_depth.size(), CV_32FC1, cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
+  for (int row = 0; row < stds.rows; ++row) {
+    for (int column = 0; column < stds.cols; ++column) {
+      const float depth = true_depth.at<float>(row, column);
+      if (depth > 0.0F && noisy_depth.at<float>(row, column) > 0.0F)
+        stds.at<float>(row, column) = static_cast<float>(sigmaAt(static_cast<double>(depth), params));
+    }
+  }
+  return stds;
 }
 
 }  // namespace radar_dot::evaluation

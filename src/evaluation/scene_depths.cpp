@@ -174,6 +174,10 @@ cv::Mat SceneDepths::computeDepth(Index row) {
   if (source_.backend == "ground_truth") return trueDepth(row);
   if (source_.backend == "noisy")
     return noisyDepth(trueDepth(row), {}, static_cast<std::uint64_t>(reading(row).timestamp_us));
+  return depth_->estimate(inputOf(row));
+}
+
+DepthInput SceneDepths::inputOf(Index row) {
   DepthInput input;
   input.camera = gridOf(row);
   input.T_base_from_camera = mountOf(reading(row));
@@ -182,7 +186,15 @@ cv::Mat SceneDepths::computeDepth(Index row) {
   if (needs.lidar)
     input.lidar_points = lidarPoints(row, source_.half_of_lidar ? LidarPart::kSeen : LidarPart::kAll);
   if (needs.radar) input.radar_points = radarPoints(secondsOf(reading(row)));
-  return depth_->estimate(input);
+  return input;
+}
+
+cv::Mat SceneDepths::relativeStdOf(Index row) {
+  const cv::Mat& depth = depthOf(row);
+  if (source_.backend == "files") return constantStd(depth, source_.params.relative_std);
+  if (source_.backend == "ground_truth") return constantStd(depth, kTrueDepthStd);
+  if (source_.backend == "noisy") return noisyDepthStd(trueDepth(row), depth, {});
+  return depth_->relativeStd(inputOf(row), depth);
 }
 
 const cv::Mat& SceneDepths::depthOf(Index row) {

@@ -18,7 +18,8 @@
 
 namespace radar_dot::evaluation {
 
-inline constexpr double kSensorReach = 0.1;  // s between an image and the scans that go with it
+inline constexpr double kTrueDepthStd = 0.01;  // share: a true depth is as exact as its file and grid
+inline constexpr double kSensorReach = 0.1;    // s between an image and the scans that go with it
 
 /// "<stem of the image>.png"
 std::string pngNameOf(const dataset::Tables& tables, dataset::Index row);
@@ -60,6 +61,8 @@ class SceneDepths {
   const cv::Mat& pictureOf(dataset::Index row);
   /// Depth by the backend of the source, m.
   const cv::Mat& depthOf(dataset::Index row);
+  /// 1 sigma of its inverse, share of it, as the backend declares it (see DepthEvaluationOptions::depth).
+  cv::Mat relativeStdOf(dataset::Index row);
   /// The true one of a simulated dataroot, m.
   const cv::Mat& trueDepth(dataset::Index row);
 
@@ -76,6 +79,7 @@ class SceneDepths {
  private:
   enum class LidarPart { kAll, kSeen, kHeldOut };
   cv::Mat computeDepth(dataset::Index row);
+  DepthInput inputOf(dataset::Index row);  // of the estimator
   bool seesRadar(const std::string& channel) const;
   std::vector<Eigen::Vector3f> radarPoints(double time) const;
   const dataset::SampleData* lidarOf(dataset::Index row) const;

@@ -188,6 +188,8 @@ void SceneRunner::refine(const ImagePair& pair, MotionInput& input) {
   input.T_current_from_previous = refined.T_current_from_previous;
   input.motion_covariance = refined.covariance;
   if (!ground) return;
+  if (!input.depth_std.empty())
+    input.depth_std = exchangeGroundStd(input.depth_std, input.depth, input.camera, *ground, refined);
   const double farthest = options_.depth_params.max_depth;
   input.depth = exchangeGround(input.depth, input.camera, *ground, *refined.ground, farthest);
   input.next_depth = exchangeGround(input.next_depth, input.camera, *ground, *refined.ground, farthest);
@@ -245,6 +247,7 @@ std::optional<SceneRunner::Prepared> SceneRunner::prepare(const ImagePair& pair,
   input.T_current_from_previous = staticPointMotion(T_base_from_camera, *motion);
   input.depth = images_.depthOf(pair.first);
   input.next_depth = images_.depthOf(pair.second);
+  if (options_.depth_uncertainty) input.depth_std = images_.relativeStdOf(pair.first);
   const FlowField field = images_.flowOf(pair, input);
   input.flow = field.flow;
   const bool by_uncertainty = options_.motion.score == MotionScore::kUncertainty;
@@ -278,6 +281,7 @@ std::optional<MotionInput> SceneRunner::lookBack(const Prepared& prepared) {
   if (!latest_) return std::nullopt;
   MotionInput seen = seenFromSecond(latest_->input, latest_->backward.flow, latest_->backward.closure);
   seen.depth = prepared.input.depth;
+  seen.depth_std = prepared.input.depth_std;
   seen.dynamic_points = prepared.input.dynamic_points;
   seen.static_points = prepared.input.static_points;
   return seen;

@@ -60,9 +60,10 @@ void DepthNodelet::onInit() {
   radars_ = addRadars("radar_topics", {"radar/static", "radar/dynamic"});
   network_radars_ = addRadars("network_radar_topics", {"radar_front"});
   publisher_ = handle.advertise<sensor_msgs::Image>("depth", 3);
+  uncertainty_publisher_ = handle.advertise<sensor_msgs::Image>("depth/uncertainty", 3);
   checkTransport();
-  connectWhile([this] { return publisher_.getNumSubscribers() > 0; }, [this] { connectInputs(); },
-               [this] { disconnectInputs(); });
+  connectWhile([this] { return publisher_.getNumSubscribers() > 0 || wantsUncertainty(); },
+               [this] { connectInputs(); }, [this] { disconnectInputs(); });
   server_ = serve<DepthConfig>([this](const DepthConfig& config) { checked_estimator_ = checked(config); },
                                [this](const DepthConfig& config) { configure(config); },
                                {{"backend", "model", "device"}});
@@ -154,8 +155,9 @@ void DepthNodelet::onImage(LazyPicture picture) {
   points_ = input.lidar_points.size() + input.radar_points.size();
   cv::Mat depth = estimator_->estimate(input);
   known_share_ = clean(depth, config_.max_depth);
+  const cv::Mat relative_std = wantsUncertainty() ? estimator_->relativeStd(input, depth) : cv::Mat();
   computation_time_ = (ros::WallTime::now() - start).toSec();
-  publish(header, depth);
+  publish(header, depth, relative_std);
 }
 
 void DepthNodelet::onDepth(const sensor_msgs::ImageConstPtr& message) {
@@ -168,10 +170,13 @@ void DepthNodelet::onDepth(const sensor_msgs::ImageConstPtr& message) {
   if (depth.data == given.data) depth = given.clone();
   known_share_ = clean(depth, config_.max_depth);
   computation_time_ = (ros::WallTime::now() - start).toSec();
-  publish(message->header, depth);
+  publish(message->header, depth, wantsUncertainty() ? constantStd(depth, config_.relative_std) : cv::Mat());
 }
 
-void DepthNodelet::publish(const std_msgs::Header& header, const cv::Mat& depth) {
+void DepthNodelet::publish(const std_msgs::Header& header, const cv::Mat& depth,
+                           const cv::Mat& relative_std) {
+  // First, so that it is there where the depth is.
+  if (!relative_std.empty()) uncertainty_publisher_.publish(imageMessage(header, "32FC1", relative_std));
   publisher_.publish(imageMessage(header, "32FC1", depth));
   ++computed_;
   last_depth_ = ros::WallTime::now();

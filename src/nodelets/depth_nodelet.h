@@ -36,7 +36,9 @@ class DepthNodelet : public ImageSubscriber {
 
   void onImage(LazyPicture picture);
   void onDepth(const sensor_msgs::ImageConstPtr& message);
-  void publish(const std_msgs::Header& header, const cv::Mat& depth);
+  /// @param relative_std  of the depth; empty where nobody wants it
+  void publish(const std_msgs::Header& header, const cv::Mat& depth, const cv::Mat& relative_std);
+  bool wantsUncertainty() const { return uncertainty_publisher_.getNumSubscribers() > 0; }
 
   DepthConfig config_ = DepthConfig::__getDefault__();
   std::string connected_backend_;  // whose inputs are subscribed
@@ -56,7 +58,7 @@ class DepthNodelet : public ImageSubscriber {
   std::vector<RadarTopic> network_radars_;  // of the backend "torch": what its networks are trained with
   std::vector<ros::Subscriber> subscribers_;
   ros::Subscriber image_subscriber_;
-  ros::Publisher publisher_;
+  ros::Publisher publisher_, uncertainty_publisher_;
   std::unique_ptr<dynamic_reconfigure::Server<DepthConfig>> server_;
 
   double computation_time_ = 0.0, known_share_ = 0.0;  // of the latest depth

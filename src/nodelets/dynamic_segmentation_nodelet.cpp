@@ -41,6 +41,7 @@ void DynamicSegmentationNodelet::onInit() {
   twist_input_ = &addInput("ego/twist");
   radar_input_ = &addInput("radar/dynamic", false);
   backward_input_ = &addInput("flow/backward", false);
+  depth_std_input_ = &addInput("depth/uncertainty", false);
   server_ = serve<DynamicSegmentationConfig>(
       [](const DynamicSegmentationConfig& config) { validate(motionParams(config)); },
       [this](const DynamicSegmentationConfig& config) { configure(config); });
@@ -78,6 +79,7 @@ void DynamicSegmentationNodelet::connect() {
                                                    [this](const ros::WallTimerEvent&) { processWaiting(); });
   followRadarGain();
   followHistory();
+  followDepthUncertainty();
 }
 
 void DynamicSegmentationNodelet::disconnect() {
@@ -88,6 +90,7 @@ void DynamicSegmentationNodelet::disconnect() {
   stop(*twist_input_, twist_subscriber_);
   followRadarGain();
   followHistory();
+  followDepthUncertainty();
   forgetThePast();
 }
 
@@ -97,6 +100,7 @@ void DynamicSegmentationNodelet::configure(const DynamicSegmentationConfig& conf
   history_.clear();  // of masks by other parameters
   followRadarGain();
   followHistory();
+  followDepthUncertainty();
 }
 
 void DynamicSegmentationNodelet::followRadarGain() {
@@ -120,10 +124,24 @@ void DynamicSegmentationNodelet::followHistory() {
   }
 }
 
+void DynamicSegmentationNodelet::followDepthUncertainty() {
+  const bool listening = static_cast<bool>(depth_std_subscriber_);
+  const bool wanted = connected() && usesDepthUncertainty();
+  if (wanted && !listening) {
+    depth_std_subscriber_ =
+        listen<sensor_msgs::Image>(*depth_std_input_, "depth/uncertainty", 5,
+                                   [this](const sensor_msgs::ImageConstPtr& std) { depth_stds_.add(std); });
+  } else if (!wanted && listening) {
+    stop(*depth_std_input_, depth_std_subscriber_);
+    depth_stds_.clear();
+  }
+}
+
 void DynamicSegmentationNodelet::forgetThePast() {
   waiting_.clear();
   history_.clear();
   depths_.clear();
+  depth_stds_.clear();
   motion_->forget();
   dynamic_returns_->clear();
 }
@@ -199,6 +217,8 @@ DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gather(WaitingF
   if (depths != Gathered::kAll) return depths;
   inputs.depth = waiting.depth;
   inputs.next_depth = waiting.next_depth;
+  // It is sent just before its depth, so that it is there or lost.
+  if (usesDepthUncertainty()) inputs.depth_std = depth_stds_.find(inputs.flow->header.stamp);
   if (!camera_) {
     missing = "nothing on '" + camera_input_->topic() + "' yet";
     return Gathered::kMayCome;
@@ -254,18 +274,17 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
   }
   motion.camera = camera.scaledTo(grid.width, grid.height);
   motion.pixel_scale = static_cast<double>(image.width) / grid.width;
-  const auto place = [&](const sensor_msgs::ImageConstPtr& message) -> cv::Mat {
-    if (!message) return {};
-    const cv::Mat depth = radar_dot::depthOf(*message);
+  const auto place = [&](const cv::Mat& depth, const InputMonitor& input) {
     if (!isGridOf(depth.size(), image)) {
-      throw std::invalid_argument("depth on '" + depth_input_->topic() + "' of " + sizeText(depth.size()) +
+      throw std::invalid_argument("depth on '" + input.topic() + "' of " + sizeText(depth.size()) +
                                   " px does not have the shape of the camera's image of " + sizeText(image) +
                                   " px");
     }
     return resizedNearest(depth, grid);
   };
-  motion.depth = place(inputs.depth);
-  motion.next_depth = place(inputs.next_depth);
+  motion.depth = place(radar_dot::depthOf(*inputs.depth), *depth_input_);
+  if (inputs.next_depth) motion.next_depth = place(radar_dot::depthOf(*inputs.next_depth), *depth_input_);
+  if (inputs.depth_std) motion.depth_std = place(depthStdOf(*inputs.depth_std), *depth_std_input_);
 }
 
 std::vector<Eigen::Vector3f> DynamicSegmentationNodelet::dynamicPoints(
@@ -290,6 +309,8 @@ void DynamicSegmentationNodelet::refine(Inputs& inputs) {
   motion.T_current_from_previous = refined.T_current_from_previous;
   motion.motion_covariance = refined.covariance;
   if (ground) {
+    if (!motion.depth_std.empty())
+      motion.depth_std = exchangeGroundStd(motion.depth_std, motion.depth, motion.camera, *ground, refined);
     motion.depth = exchangeGround(motion.depth, motion.camera, *ground, *refined.ground, config_.max_depth);
     if (!motion.next_depth.empty())
       motion.next_depth =
@@ -335,6 +356,7 @@ void DynamicSegmentationNodelet::segment(Inputs& inputs) {
   last_mask_ = ros::WallTime::now();
   const bool wants_next_depth = config_.score != "paper" || config_.lambda > 0.0;
   if (wants_next_depth && !inputs.next_depth) ++without_next_depth_since_report_;
+  if (usesDepthUncertainty() && !inputs.depth_std) ++without_depth_std_since_report_;
   if (inputs.without_rotation) {
     ++without_rotation_since_report_;
     warn("rotation", "no rotation at the stamps of the images from " + motion_->rotationText() +

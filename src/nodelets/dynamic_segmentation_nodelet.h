@@ -42,6 +42,7 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   void disconnect();
   void followRadarGain();
   void followHistory();
+  void followDepthUncertainty();
   void setUpOutputs();
   void configure(const DynamicSegmentationConfig& config);
   void forgetThePast() override;
@@ -66,6 +67,9 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   bool wanted() const;
   bool looksBack() const { return config_.score == "uncertainty" && config_.look_back; }
   bool remembers() const { return config_.score == "uncertainty" && config_.memory > 0.0; }
+  bool usesDepthUncertainty() const {
+    return config_.use_depth_uncertainty && (config_.score == "uncertainty" || config_.refine);
+  }
   void drop(const std::string& reason);
 
   DynamicSegmentationConfig config_ = DynamicSegmentationConfig::__getDefault__();
@@ -74,15 +78,16 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> dynamic_returns_;
-  StampCache<sensor_msgs::Image> depths_;
+  StampCache<sensor_msgs::Image> depths_, depth_stds_;
   MaskHistory history_;
   sensor_msgs::CameraInfoConstPtr camera_;
   std::deque<WaitingFlow> waiting_;
 
   InputMonitor *flow_input_ = nullptr, *depth_input_ = nullptr, *camera_input_ = nullptr,
-               *twist_input_ = nullptr, *radar_input_ = nullptr, *backward_input_ = nullptr;
+               *twist_input_ = nullptr, *radar_input_ = nullptr, *backward_input_ = nullptr,
+               *depth_std_input_ = nullptr;
   ros::Subscriber flow_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_,
-      radar_subscriber_, backward_subscriber_;
+      radar_subscriber_, backward_subscriber_, depth_std_subscriber_;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Publisher mask_publisher_, valid_publisher_;
   ros::Publisher score_publisher_, expected_flow_publisher_, residual_publisher_, refined_publisher_;
@@ -94,7 +99,8 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   double median_ = 0.0, mad_ = 0.0, threshold_ = 0.0;
   std::size_t masks_ = 0, dropped_ = 0;
   std::size_t masks_since_report_ = 0, dropped_since_report_ = 0, without_rotation_since_report_ = 0,
-              without_next_depth_since_report_ = 0, without_past_since_report_ = 0;
+              without_next_depth_since_report_ = 0, without_past_since_report_ = 0,
+              without_depth_std_since_report_ = 0;
   ros::WallTime last_mask_, connected_since_;
   std::string drop_reason_;
 };

@@ -72,6 +72,10 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
     status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without a rotation from %s",
                          without_rotation_since_report_, motion_->rotationText().c_str());
   }
+  if (without_depth_std_since_report_ > 0) {
+    status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without the uncertainty of depth on '%s'",
+                         without_depth_std_since_report_, depth_std_input_->topic().c_str());
+  }
   // The first mask of a stream has no past.
   if (looksBack() && masks_since_report_ > 1 && without_past_since_report_ >= masks_since_report_) {
     status.mergeSummaryf(DiagnosticStatus::WARN,
@@ -93,6 +97,7 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
   status.add("last drop", drop_reason_);
   masks_since_report_ = dropped_since_report_ = 0;
   without_rotation_since_report_ = without_next_depth_since_report_ = without_past_since_report_ = 0;
+  without_depth_std_since_report_ = 0;
 }
 
 }  // namespace radar_dot

@@ -132,6 +132,12 @@ cv::Mat depthOf(const sensor_msgs::Image& message) {
   return metres;
 }
 
+cv::Mat depthStdOf(const sensor_msgs::Image& message) {
+  expectSize(message, "depth uncertainty");
+  expectEncoding(message, encodings::TYPE_32FC1, "depth uncertainty");
+  return viewOf(message, "depth uncertainty");
+}
+
 cv::Mat flowImageOf(const sensor_msgs::Image& message) {
   expectSize(message, "flow");
   expectEncoding(message, encodings::TYPE_32FC2, "flow");

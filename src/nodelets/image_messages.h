@@ -33,6 +33,9 @@ Picture pictureOf(const sensor_msgs::CompressedImage& message, int channels);
 /// Depth in m, CV_32FC1: of encoding 32FC1 (m, shared with the message) or 16UC1 (mm, 0 = unknown).
 cv::Mat depthOf(const sensor_msgs::Image& message);
 
+/// Uncertainty of a depth, share of the inverse depth: CV_32FC1, of encoding 32FC1, shared with the message.
+cv::Mat depthStdOf(const sensor_msgs::Image& message);
+
 /// Flow without the rest, as on dynamic/expected_flow: CV_32FC2, shared with the message.
 cv::Mat flowImageOf(const sensor_msgs::Image& message);
 

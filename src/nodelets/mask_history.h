@@ -16,7 +16,7 @@ namespace radar_dot {
 /// What a mask is made of; the messages own the pixels.
 struct PairInputs {
   FlowConstPtr flow;
-  sensor_msgs::ImageConstPtr depth, next_depth;
+  sensor_msgs::ImageConstPtr depth, next_depth, depth_std;
   MotionInput motion;
 };
 

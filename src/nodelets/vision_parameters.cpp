@@ -50,6 +50,14 @@ DepthParams depthParams(const DepthConfig& config) {
   params.image_edges = config.image_edges;
   params.background_depth = config.background_depth;
   params.background_angle = config.background_angle;
+  params.relative_std = config.relative_std;
+  params.ground_pitch_std = config.ground_pitch_std;
+  params.ground_height_std = config.ground_height_std;
+  params.ground_relative_std = config.ground_relative_std;
+  params.column_std = config.column_std;
+  params.background_std = config.background_std;
+  params.lidar_std = config.lidar_std;
+  params.completion_std = config.completion_std;
   params.completion_kernel = config.completion_kernel;
   params.network = networkParams(config);
   return params;

@@ -21,6 +21,25 @@ inline void declareDepthSource(CLI::App& app, std::string& backend, std::string&
       ->delimiter(',');
 }
 
+/// How uncertain its backends say it is.
+inline void declareDepthUncertainty(CLI::App& app, DepthParams& depth) {
+  const auto share = [&app](const char* name, double& value, const char* what) {
+    app.add_option(name, value, std::string("1 sigma, share of the inverse depth: ") + what)
+        ->capture_default_str();
+  };
+  app.add_option("--ground-pitch-std", depth.ground_pitch_std, "rad, 1 sigma (radar_ground)")
+      ->capture_default_str();
+  app.add_option("--ground-height-std", depth.ground_height_std, "m, 1 sigma (radar_ground)")
+      ->capture_default_str();
+  share("--ground-relative-std", depth.ground_relative_std, "ground that is not flat (radar_ground)");
+  share("--column-std", depth.column_std, "columns (radar_ground)");
+  share("--background-std", depth.background_std, "background (radar_ground)");
+  share("--lidar-std", depth.lidar_std, "at a point (lidar)");
+  share("--completion-std", depth.completion_std,
+        "for each px, at 1600 px width, to the nearest point (lidar)");
+  share("--relative-std", depth.relative_std, "everywhere (torch, files)");
+}
+
 /// Parameters of its backends.
 inline void declareDepthParams(CLI::App& app, DepthParams& depth) {
   app.add_option("--ground-pitch", depth.ground_pitch, "rad (radar_ground)")->capture_default_str();
@@ -32,6 +51,7 @@ inline void declareDepthParams(CLI::App& app, DepthParams& depth) {
       ->capture_default_str();
   app.add_option("--background-angle", depth.background_angle, "rad (radar_ground)")->capture_default_str();
   app.add_option("--completion-kernel", depth.completion_kernel, "px (lidar)")->capture_default_str();
+  declareDepthUncertainty(app, depth);
   app.add_option("--depth-model", depth.network.model,
                  "TorchScript file, of export_justdepth.py (--depth torch)");
 }

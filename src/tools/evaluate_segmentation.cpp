@@ -101,6 +101,9 @@ void declareMethod(CLI::App& app, Arguments& arguments) {
                "Exclude pixels whose prediction leaves the image (default: on)");
   radar_dot::tools::declareScore(app, motion);
   radar_dot::tools::declareRefinement(app, options.refine, options.motion_uncertainty);
+  app.add_flag("--depth-uncertainty,!--no-depth-uncertainty", options.depth_uncertainty,
+               "Use what the depth says of its uncertainty, pixel by pixel, instead of --depth-std (default: "
+               "off; uncertainty, --refine)");
   app.add_flag("--look-back,!--no-look-back", options.look_back,
                "See the first image also together with the one before (default: off; uncertainty)");
   app.add_option("--memory", options.memory,
@@ -265,6 +268,12 @@ int main(int argc, char** argv) {
       arguments.initialisation = arguments.options.flow == "dis" ? "expected" : "none";
     arguments.options.optical_flow.initialisation = arguments.initialisation;
     if (arguments.best) arguments.options = radar_dot::evaluation::bestOptions(arguments.options);
+    // What is not known of the ground is one thing, to its depth and to the motion by the image.
+    const radar_dot::DepthParams& depth = arguments.options.depth_params;
+    radar_dot::RefinementParams& refinement = arguments.options.refinement;
+    refinement.ground_pitch_std = depth.ground_pitch_std;
+    refinement.ground_height_std = depth.ground_height_std;
+    refinement.ground_depth_std = depth.ground_relative_std;
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {

@@ -42,6 +42,10 @@ class TorchDepth : public DepthEstimator {
     return depth;
   }
 
+  cv::Mat relativeStd(const DepthInput& /*input*/, const cv::Mat& depth) const override {
+    return constantStd(depth, params_.relative_std);
+  }
+
  private:
   DepthParams params_;
   std::shared_ptr<TorchModel> model_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/vision/depth_estimator.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 
 #include "backend_registry.h"
 #include "depth_backends.h"
+#include "ground_ray.h"
 #include "parameter_checks.h"
 
 namespace radar_dot {
@@ -28,6 +30,14 @@ void validate(const DepthParams& params) {
   checks.require(std::isfinite(params.background_depth) && params.background_depth >= 0.0, "background_depth",
                  params.background_depth, "zero or positive");
   checks.positive("background_angle", params.background_angle);
+  checks.notNegative("ground_pitch_std", params.ground_pitch_std);
+  checks.notNegative("ground_height_std", params.ground_height_std);
+  for (const auto& [name, value] :
+       {std::pair("relative_std", params.relative_std), std::pair("column_std", params.column_std),
+        std::pair("ground_relative_std", params.ground_relative_std),
+        std::pair("background_std", params.background_std), std::pair("lidar_std", params.lidar_std)})
+    checks.positive(name, value);
+  checks.notNegative("completion_std", params.completion_std);
   checks.require(params.completion_kernel >= 1 && params.completion_kernel <= 199, "completion_kernel",
                  params.completion_kernel, "between 1 and 199 px");
 }
@@ -52,6 +62,22 @@ void registerDepthEstimator(const std::string& backend, DepthEstimatorFactory fa
 
 std::vector<std::string> depthBackends() { return registry().names(); }
 
+cv::Mat DepthEstimator::relativeStd(const DepthInput& /*input*/, const cv::Mat& depth) const {
+  return constantStd(depth, DepthParams{}.relative_std);
+}
+
+cv::Mat constantStd(const cv::Mat& depth, double relative_std) {
+  if (depth.type() != CV_32FC1) throw std::invalid_argument("depth: its type must be CV_32FC1");
+  cv::Mat stds(depth.size(), CV_32FC1);
+  for (int row = 0; row < depth.rows; ++row) {
+    const auto* pixels = depth.ptr<float>(row);
+    std::transform(pixels, pixels + depth.cols, stds.ptr<float>(row), [relative_std](float d) {
+      return d > 0.0F && std::isfinite(d) ? static_cast<float>(relative_std) : kNaN;
+    });
+  }
+  return stds;
+}
+
 cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
                     double height, double pitch, double max_depth) {
   // Points of the ray: c + s d. Ground: z = height + x tan(pitch). The ray has z = 1 in the camera frame, so
@@ -70,6 +96,24 @@ cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_b
     }
   }
   return depth;
+}
+
+cv::Mat groundRelativeStd(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
+                          double height, double pitch, const GroundUncertainty& uncertainty) {
+  const double slope = std::tan(pitch);
+  const double slope_std = uncertainty.pitch_std * (1.0 + slope * slope);
+  cv::Mat stds(camera.height, camera.width, CV_32FC1);
+  for (int v = 0; v < camera.height; ++v) {
+    float* pixels = stds.ptr<float>(v);
+    for (int u = 0; u < camera.width; ++u) {
+      const GroundRay ray = groundRay(camera, T_base_from_camera, u, v, slope, height);
+      const Eigen::Vector3d shares(ray.by_slope * slope_std / ray.rho,
+                                   ray.by_height * uncertainty.height_std / ray.rho,
+                                   uncertainty.relative_std);
+      pixels[u] = ray.rho > 0.0 ? static_cast<float>(shares.norm()) : kNaN;
+    }
+  }
+  return stds;
 }
 
 cv::Mat projectedDepth(const std::vector<Eigen::Vector3f>& points_base, const CameraIntrinsics& camera,

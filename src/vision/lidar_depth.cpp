@@ -96,6 +96,25 @@ class LidarDepth : public DepthEstimator {
     return smoothed(inverse);
   }
 
+  cv::Mat relativeStd(const DepthInput& input, const cv::Mat& depth) const override {
+    if (depth.type() != CV_32FC1 || depth.size() != cv::Size(input.camera.width, input.camera.height))
+      throw std::invalid_argument("depth 'lidar': the depth must be CV_32FC1 on the grid of the camera");
+    const cv::Mat points =
+        projectedDepth(input.lidar_points, input.camera, input.T_base_from_camera, params_.max_depth);
+    cv::Mat distance;  // px, to the nearest point; no point: far
+    cv::distanceTransform(~(points == points), distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    const auto at_point = static_cast<float>(params_.lidar_std);
+    const auto per_pixel = static_cast<float>(params_.completion_std * kImageWidth / depth.cols);
+    cv::Mat stds = constantStd(depth, 0.0);
+    for (int row = 0; row < depth.rows; ++row) {
+      const float* apart = distance.ptr<float>(row);
+      float* to = stds.ptr<float>(row);
+      for (int column = 0; column < depth.cols; ++column)
+        to[column] += std::hypot(at_point, per_pixel * apart[column]);
+    }
+    return stds;
+  }
+
  private:
   /// The median keeps edges, and takes off what stands out; the unknown stays unknown.
   static cv::Mat smoothed(const cv::Mat& inverse) {

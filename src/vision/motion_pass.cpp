@@ -105,7 +105,9 @@ void readNoise(const PassConstants& pass, int count, const float* closures, cons
   if (depth_stds == nullptr) {
     std::fill(block.depth_std.begin(), end(block.depth_std), pass.depth_std);
   } else {
-    std::copy(depth_stds, depth_stds + count, block.depth_std.begin());
+    // In this order NaN becomes the default.
+    std::transform(depth_stds, depth_stds + count, block.depth_std.begin(),
+                   [fallback = pass.depth_std](float std) { return std >= 0.0F ? std : fallback; });
   }
 }
 

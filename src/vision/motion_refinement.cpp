@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "ground_ray.h"
 #include "motion_images.h"
 #include "parameter_checks.h"
 #include "radar_dot/vision/depth_estimator.h"
@@ -24,25 +25,12 @@ using Matrix8 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Jacobian = Eigen::Matrix<double, 2, kUnknowns>;
 
 constexpr double kSameDepth = 0.01;  // share of the depth within which a pixel shows the plane
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kLeastPixels = 50;
 constexpr double kMedianOfChiSquare = 1.3863;  // 2 degrees of freedom
 constexpr double kExact = 1e-12;               // variances that stand for zero: a prior that holds
 
 const ParameterChecks kChecks("motion refinement");
-
-/// Inverse depth of the plane z = height + slope x (base frame) along a ray, and its derivatives.
-struct GroundRay {
-  double rho = 0.0, by_slope = 0.0, by_height = 0.0;  // 1/m, per unit of slope, per m
-};
-
-GroundRay groundRay(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera, double u,
-                    double v, double slope, double height) {
-  const Eigen::Vector3d c = T_base_from_camera.translation();
-  const Eigen::Vector3d d = T_base_from_camera.linear() * camera.rayOf(u, v);
-  const double across = d.z() - slope * d.x();
-  const double above = height + slope * c.x() - c.z();  // negative: the camera is above the ground
-  return {across / above, -d.x() / above - across * c.x() / (above * above), -across / (above * above)};
-}
 
 struct Pixel {
   double u = 0.0, v = 0.0;
@@ -75,15 +63,21 @@ class Refiner {
     refined.T_current_from_previous = motion_;
     refined.covariance = input_.motion_covariance;
     refined.ground = ground_;
+    refined.ground_uncertainty = {params_.ground_pitch_std, params_.ground_height_std,
+                                  params_.ground_depth_std};
     refined.pixels = pixels_.size();
     if (pixels_.size() < kLeastPixels) return refined;
     for (int i = 0; i < params_.iterations; ++i) step();
     refined.T_current_from_previous = motion_;
     refined.correction = total_.head<6>();
-    refined.covariance = information_.llt().solve(Matrix8::Identity()).topLeftCorner<6, 6>();
+    const Matrix8 covariance = information_.llt().solve(Matrix8::Identity());
+    refined.covariance = covariance.topLeftCorner<6, 6>();
     if (ground_) {
-      refined.ground->pitch = std::atan(slope_ + total_[kSlope]);
+      const double slope = slope_ + total_[kSlope];
+      refined.ground->pitch = std::atan(slope);
       refined.ground->height = height_ + total_[kHeight];
+      refined.ground_uncertainty.pitch_std = std::sqrt(covariance(kSlope, kSlope)) / (1.0 + slope * slope);
+      refined.ground_uncertainty.height_std = std::sqrt(covariance(kHeight, kHeight));
     }
     return refined;
   }
@@ -139,11 +133,13 @@ void Refiner::collect() {
         if (gap > 0.0) pixel.flow_variance += std::pow(params_.closure_weight * gap, 2);
       }
       pixel.rho = 1.0 / depth;
-      pixel.rho_std = input_.depth_std.empty() ? params_.depth_std
-                                               : static_cast<double>(input_.depth_std.at<float>(v, u));
+      const double declared =
+          input_.depth_std.empty() ? kUnknown : static_cast<double>(input_.depth_std.at<float>(v, u));
+      pixel.rho_std = declared >= 0.0 ? declared : params_.depth_std;  // also for NaN
       if (ground_) {
         const GroundRay ray = groundRay(camera, ground_->T_base_from_camera, u, v, slope_, height_);
         pixel.is_ground = std::abs(ray.rho * depth - 1.0) < kSameDepth;
+        // The errors that all of the ground shares are unknowns here, not noise.
         if (pixel.is_ground) pixel.rho_std = params_.ground_depth_std;
       }
       pixels_.push_back(pixel);
@@ -285,6 +281,30 @@ cv::Mat exchangeGround(const cv::Mat& depth, const CameraIntrinsics& camera, con
     for (int column = 0; column < depth.cols; ++column) {
       if (std::fabs(pixels[column] / old_ground[column] - 1.0F) < static_cast<float>(kSameDepth))
         pixels[column] = new_ground[column];
+    }
+  }
+  return exchanged;
+}
+
+cv::Mat exchangeGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
+                          const GroundPlane& drawn, const RefinedMotion& refined) {
+  requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
+  requireImage(relative_std, CV_32FC1, camera, "relative_std", "CV_32FC1");
+  if (!refined.ground) return relative_std;
+  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  const cv::Mat before =
+      groundDepth(camera, drawn.T_base_from_camera, drawn.height, drawn.pitch, kEverywhere);
+  const cv::Mat ground = groundRelativeStd(camera, drawn.T_base_from_camera, refined.ground->height,
+                                           refined.ground->pitch, refined.ground_uncertainty);
+  cv::Mat exchanged = relative_std.clone();
+  for (int row = 0; row < depth.rows; ++row) {
+    const auto* old_ground = before.ptr<float>(row);
+    const auto* depths = depth.ptr<float>(row);
+    const auto* stds = ground.ptr<float>(row);
+    auto* pixels = exchanged.ptr<float>(row);
+    for (int column = 0; column < depth.cols; ++column) {
+      if (std::fabs(depths[column] / old_ground[column] - 1.0F) < static_cast<float>(kSameDepth))
+        pixels[column] = stds[column];
     }
   }
   return exchanged;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
@@ -118,20 +119,55 @@ class RadarGroundDepth : public DepthEstimator {
 
   DepthNeeds needs() const override { return {params_.image_edges, true, false}; }
 
-  cv::Mat estimate(const DepthInput& input) override {
-    cv::Mat depth = groundDepth(input.camera, input.T_base_from_camera, params_.ground_height,
-                                params_.ground_pitch, params_.max_depth);
-    std::vector<Column> columns = columnsOf(input);
-    if (params_.image_edges && !input.image.empty()) {
-      const ColumnEdges edges(input.image, depth.size());
-      for (Column& column : columns) column = edges.bounded(column);
-    }
-    if (params_.background_depth > 0.0) fillBackground(input.camera, columns, depth);
-    for (const Column& column : columns) draw(column, depth);
-    return depth;
+  cv::Mat estimate(const DepthInput& input) override { return drawn(input, false).depth; }
+
+  cv::Mat relativeStd(const DepthInput& input, const cv::Mat& depth) const override {
+    cv::Mat stds = drawn(input, true).stds;
+    if (depth.type() != CV_32FC1 || depth.size() != stds.size())
+      throw std::invalid_argument(
+          "depth 'radar_ground': the depth must be CV_32FC1 on the grid of the camera");
+    stds.setTo(std::numeric_limits<double>::quiet_NaN(), ~(depth == depth));
+    return stds;
   }
 
  private:
+  /// What is seen of ground, background and columns.
+  struct Layers {
+    cv::Mat depth;  // m
+    cv::Mat stds;   // of the inverse depth, share of it; empty where they are not wanted
+
+    /// One pixel of a surface with this depth, where nothing nearer is known.
+    struct Row {
+      float* depths;
+      float* stds;
+      void show(int u, float depth, float relative_std) const {
+        if (depths[u] <= depth) return;  // false where nothing was known
+        depths[u] = depth;
+        if (stds != nullptr) stds[u] = relative_std;
+      }
+    };
+    Row row(int v) { return {depth.ptr<float>(v), stds.empty() ? nullptr : stds.ptr<float>(v)}; }
+  };
+
+  Layers drawn(const DepthInput& input, bool with_stds) const {
+    Layers layers;
+    layers.depth = groundDepth(input.camera, input.T_base_from_camera, params_.ground_height,
+                               params_.ground_pitch, params_.max_depth);
+    if (with_stds) {
+      layers.stds = groundRelativeStd(
+          input.camera, input.T_base_from_camera, params_.ground_height, params_.ground_pitch,
+          {params_.ground_pitch_std, params_.ground_height_std, params_.ground_relative_std});
+    }
+    std::vector<Column> columns = columnsOf(input);
+    if (params_.image_edges && !input.image.empty()) {
+      const ColumnEdges edges(input.image, layers.depth.size());
+      for (Column& column : columns) column = edges.bounded(column);
+    }
+    if (params_.background_depth > 0.0) fillBackground(input.camera, columns, layers);
+    for (const Column& column : columns) draw(column, layers);
+    return layers;
+  }
+
   std::vector<Column> columnsOf(const DepthInput& input) const {
     const Eigen::Isometry3d T_camera_from_base = input.T_base_from_camera.inverse();
     const double slope = std::tan(params_.ground_pitch);
@@ -158,7 +194,8 @@ class RadarGroundDepth : public DepthEstimator {
   /// What is neither ground nor column: somewhere behind the columns in its direction, on average not far. It
   /// hides the ground farther away.
   void fillBackground(const CameraIntrinsics& camera, const std::vector<Column>& columns,
-                      cv::Mat& depth) const {
+                      Layers& layers) const {
+    const cv::Mat& depth = layers.depth;
     const double reach = params_.background_angle * camera.fx;  // px
     std::vector<float> background(static_cast<std::size_t>(depth.cols));
     for (int u = 0; u < depth.cols; ++u) {
@@ -173,16 +210,16 @@ class RadarGroundDepth : public DepthEstimator {
       }
       background[static_cast<std::size_t>(u)] = static_cast<float>(weight / inverse);
     }
+    const auto relative_std = static_cast<float>(params_.background_std);
     for (int row = 0; row < depth.rows; ++row) {
-      float* pixels = depth.ptr<float>(row);
-      for (int u = 0; u < depth.cols; ++u) {
-        const float behind = background[static_cast<std::size_t>(u)];
-        if (!(pixels[u] <= behind)) pixels[u] = behind;
-      }
+      const Layers::Row pixels = layers.row(row);
+      for (int u = 0; u < depth.cols; ++u)
+        pixels.show(u, background[static_cast<std::size_t>(u)], relative_std);
     }
   }
 
-  static void draw(const Column& column, cv::Mat& depth) {
+  void draw(const Column& column, Layers& layers) const {
+    const cv::Mat& depth = layers.depth;
     const auto clamped = [](double value, int size) {
       return static_cast<int>(std::lround(std::clamp(value, 0.0, static_cast<double>(size))));
     };
@@ -190,10 +227,10 @@ class RadarGroundDepth : public DepthEstimator {
     const int right = clamped(column.right + 1.0, depth.cols);
     const int top = clamped(column.top, depth.rows);
     const int bottom = clamped(column.bottom + 1.0, depth.rows);
+    const auto relative_std = static_cast<float>(params_.column_std);
     for (int row = top; row < bottom; ++row) {
-      float* pixels = depth.ptr<float>(row);
-      for (int u = left; u < right; ++u)
-        if (!(pixels[u] <= column.depth)) pixels[u] = column.depth;  // also where nothing was known
+      const Layers::Row pixels = layers.row(row);
+      for (int u = left; u < right; ++u) pixels.show(u, column.depth, relative_std);
     }
   }
 

@@ -57,6 +57,16 @@ TEST_F(DepthEvaluation, BackendsDiffer) {
   EXPECT_LT(radar.meanAbsoluteError(), 15.0);
 }
 
+// Every backend knows about how wrong it is: within a factor of two and a half on this one street.
+TEST_F(DepthEvaluation, TheDeclaredSigmasAreOfTheSizeOfTheErrors) {
+  for (const char* depth : {"noisy", "radar_ground", "lidar"}) {
+    const NormalisedErrors errors = evaluate(depth, "ground_truth").errors.normalised;
+    EXPECT_GT(errors.count(), 10000U) << depth;
+    EXPECT_GT(errors.quantile(0.6827), 0.4) << depth;
+    EXPECT_LT(errors.quantile(0.6827), 2.5) << depth;
+  }
+}
+
 // Lidar and depth image tell of one world: the truths agree but at edges.
 TEST_F(DepthEvaluation, LidarIsWhereTheTrueDepthIs) {
   const DepthReport report = evaluate("ground_truth", "lidar");
@@ -162,18 +172,21 @@ TEST(DepthReports, FiguresStandInTableAndFiles) {
   report.images = 2;
   report.without_truth = 1;
   report.errors.within[0] = {200, 100, 150.0, 400.0};
+  report.errors.normalised.add(1.25);
   DepthReport overall = report;
   overall += report;
   const std::string json = formatJson({report}, overall);
-  for (const char* member :
-       {"\"mae_50\": 1.5", "\"rmse_50\": 2.0", "\"coverage_50\": 0.5", "\"mae_70\": null",
-        "\"without_truth\": 2", "\"true_pixels_50\": 400", "\"compared_50\": 200"})
+  for (const char* member : {"\"mae_50\": 1.5", "\"rmse_50\": 2.0", "\"coverage_50\": 0.5",
+                             "\"mae_70\": null", "\"sigma_median\": 1.25", "\"sigma_68\": 1.25",
+                             "\"without_truth\": 2", "\"true_pixels_50\": 400", "\"compared_50\": 200"})
     EXPECT_NE(json.find(member), std::string::npos) << member << json;
-  EXPECT_EQ(formatCsv({report}, overall),
-            "scene,mae_50,rmse_50,coverage_50,mae_70,rmse_70,coverage_70,mae_80,rmse_80,coverage_80,images,"
-            "without_truth,true_pixels_50,compared_50,true_pixels_70,compared_70,true_pixels_80,compared_80\n"
-            "scene-0001,1.500000,2.000000,0.500000,,,,,,,2,1,200,100,0,0,0,0\n"
-            "overall,1.500000,2.000000,0.500000,,,,,,,4,2,400,200,0,0,0,0\n");
+  EXPECT_EQ(
+      formatCsv({report}, overall),
+      "scene,mae_50,rmse_50,coverage_50,mae_70,rmse_70,coverage_70,mae_80,rmse_80,coverage_80,sigma_median,"
+      "sigma_68,images,without_truth,true_pixels_50,compared_50,true_pixels_70,compared_70,true_pixels_80,"
+      "compared_80\n"
+      "scene-0001,1.500000,2.000000,0.500000,,,,,,,1.251699,1.251699,2,1,200,100,0,0,0,0\n"
+      "overall,1.500000,2.000000,0.500000,,,,,,,1.251699,1.251699,4,2,400,200,0,0,0,0\n");
   EXPECT_NE(formatTable({report}, overall).find("Overall             4         2     1.500     2.000"),
             std::string::npos)
       << formatTable({report}, overall);

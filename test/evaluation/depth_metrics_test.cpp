@@ -67,8 +67,52 @@ TEST(DepthErrors, NothingComparedIsNaN) {
   EXPECT_DOUBLE_EQ(errors.within[0].coverage(), 0.0);
 }
 
+// Inverse depths off by 0.2, 0.1, 0.5 and 0.1 of the estimated one, of which 0.1, 0.1, 1 and 0.4 are
+// declared; farther than the last limit, or with unknown depth or sigma, nothing counts.
+TEST(DepthErrors, InUnitsOfTheDeclaredSigma) {
+  DepthErrors errors;
+  errors.add(rowOf({12.0F, 18.0F, 15.0F, 44.0F, 200.0F, kNaN, 7.0F}),
+             rowOf({10.0F, 20.0F, 10.0F, 40.0F, 100.0F, 10.0F, 10.0F}),
+             rowOf({0.1F, 0.1F, 1.0F, 0.4F, 0.01F, 0.1F, kNaN}));
+  const NormalisedErrors& normalised = errors.normalised;
+  EXPECT_EQ(normalised.count(), 4U);
+  EXPECT_NEAR(normalised.quantile(0.25), 0.25, 0.003);
+  EXPECT_NEAR(normalised.quantile(0.5), 0.5, 0.006);
+  EXPECT_NEAR(normalised.quantile(0.75), 1.0, 0.012);
+  EXPECT_NEAR(normalised.quantile(1.0), 2.0, 0.024);
+  DepthErrors sum = errors;
+  sum += errors;
+  EXPECT_EQ(sum.normalised.count(), 8U);
+  EXPECT_TRUE(std::isnan(example().normalised.quantile(0.5)));  // nothing is declared
+}
+
+TEST(NormalisedErrors, TheLargestAndTheSmallestStayCounted) {
+  NormalisedErrors errors;
+  errors.add(0.0);
+  errors.add(std::numeric_limits<double>::infinity());
+  errors.add(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(errors.count(), 2U);
+  EXPECT_LT(errors.quantile(0.5), 0.0011);
+  EXPECT_GT(errors.quantile(0.9), 9000.0);
+}
+
+// The smooth error of a depth network, as its model declares it: between its nodes the field averages, so
+// that it is a little less.
+TEST(NoisyDepthErrors, AreAsLargeAsDeclared) {
+  DepthErrors errors;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const cv::Mat truth(450, 800, CV_32FC1, cv::Scalar(seed % 2 == 0 ? 15.0 : 45.0));
+    const cv::Mat noisy = noisyDepth(truth, {}, seed);
+    const cv::Mat stds = noisyDepthStd(truth, noisy, {});
+    EXPECT_EQ(cv::countNonZero((stds == stds) != (noisy == noisy)), 0);
+    errors.add(noisy, truth, stds);
+  }
+  EXPECT_NEAR(errors.normalised.quantile(0.6827), 0.85, 0.15);
+}
+
 TEST(DepthErrors, RefusesImagesThatDoNotFit) {
   DepthErrors errors;
+  EXPECT_THROW(errors.add(rowOf({1.0F}), rowOf({1.0F}), rowOf({1.0F, 2.0F})), std::invalid_argument);
   EXPECT_THROW(errors.add(rowOf({1.0F}), rowOf({1.0F, 2.0F})), std::invalid_argument);
   EXPECT_THROW(errors.add(cv::Mat(1, 1, CV_64FC1), rowOf({1.0F})), std::invalid_argument);
 }

@@ -62,6 +62,19 @@ TEST(NoisyDepth, HasHoles) {
   EXPECT_LT(share, 0.07);
 }
 
+TEST(NoisyDepth, DeclaresTheSigmaOfItsModel) {
+  NoisyDepthParams params;
+  params.relative_std = 0.1;
+  params.growth = 2.0;
+  cv::Mat truth = plane(60.0), noisy = plane(50.0);
+  truth.at<float>(0, 0) = noisy.at<float>(1, 1) = std::numeric_limits<float>::quiet_NaN();
+  const cv::Mat stds = noisyDepthStd(truth, noisy, params);
+  EXPECT_FLOAT_EQ(stds.at<float>(5, 5), 0.4F);
+  EXPECT_TRUE(std::isnan(stds.at<float>(0, 0)));
+  EXPECT_TRUE(std::isnan(stds.at<float>(1, 1)));
+  EXPECT_THROW(noisyDepthStd(truth, noisy.rowRange(0, 9), params), std::invalid_argument);
+}
+
 TEST(NoisyDepth, RefusesNonsense) {
   EXPECT_THROW(noisyDepth(cv::Mat(3, 3, CV_8UC1), {}, 1), std::invalid_argument);
   NoisyDepthParams params;

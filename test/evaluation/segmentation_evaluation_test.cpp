@@ -165,6 +165,22 @@ TEST_F(SegmentationEvaluation, WrongMotionFillsThePicture) {
   EXPECT_LT(wrong, 0.5 * right);
 }
 
+// A true depth declares 0.01: with its own word, the constant does not matter.
+TEST_F(SegmentationEvaluation, UsesTheUncertaintyThatTheDepthDeclares) {
+  SegmentationEvaluationOptions options = everythingTrue();
+  options.motion.score = MotionScore::kUncertainty;
+  options.motion.depth_std = 0.01;
+  const Confusion expected = evaluate(options).pixels;
+  options.motion.depth_std = 5.0;
+  const Confusion constant = evaluate(options).pixels;
+  options.depth_uncertainty = true;
+  const Confusion declared = evaluate(options).pixels;
+  EXPECT_GT(expected.true_positives, 0U);
+  EXPECT_NE(constant.true_positives, expected.true_positives);
+  EXPECT_EQ(declared.true_positives, expected.true_positives);
+  EXPECT_EQ(declared.false_positives, expected.false_positives);
+}
+
 TEST_F(SegmentationEvaluation, TheErrorOfTheVelocityIsReported) {
   SegmentationEvaluationOptions options = everythingTrue();
   EXPECT_EQ(evaluate(options).velocity_error.count, 0U);  // the true one has none

@@ -186,6 +186,44 @@ TEST_F(ImageInputs, SomebodyElsesDepthIsCleaned) {
                  "bgr8");
 }
 
+// With the stamp and the grid of the depth, and known where that is.
+TEST_F(ImageInputs, DepthSaysHowUncertainItIs) {
+  const auto pairOf = [this](const std::string& name) {
+    const Recorder<Image> depths(handle_, name + "/depth");
+    const Recorder<Image> stds(handle_, name + "/uncertainty");
+    EXPECT_TRUE(comes(stds, 5)) << name;
+    EXPECT_TRUE(comes(depths, 1)) << name;
+    for (const auto& depth : depths.messages()) {
+      for (const auto& std : stds.messages()) {
+        if (std->header.stamp != depth->header.stamp) continue;
+        EXPECT_EQ(std->encoding, "32FC1") << name;
+        EXPECT_EQ(std->header.frame_id, depth->header.frame_id) << name;
+        const cv::Mat known = matOf(*depth, CV_32FC1), declared = matOf(*std, CV_32FC1);
+        EXPECT_EQ(known.size(), declared.size()) << name;
+        EXPECT_EQ(cv::countNonZero((known == known) != (declared == declared)), 0) << name;
+        return std::pair(known.clone(), declared.clone());
+      }
+    }
+    ADD_FAILURE() << name << ": none with the stamp of a depth";
+    const cv::Mat none = cv::Mat::zeros(180, 320, CV_32FC1);
+    return std::pair(none, none);
+  };
+  EXPECT_FLOAT_EQ(pairOf("topic_depth").second.at<float>(40, 40), 0.125F);
+  const cv::Mat ground = pairOf("ground_depth").second;
+  EXPECT_FLOAT_EQ(ground.at<float>(50, 80), 0.25F);  // the column of the return
+  EXPECT_GT(ground.at<float>(89, 20), 0.1F);         // ground that is not flat
+  EXPECT_LT(ground.at<float>(89, 20), 0.15F);
+  double smallest = 0.0;
+  cv::minMaxLoc(pairOf("lidar_depth").second, &smallest);  // leaves NaN out
+  EXPECT_FLOAT_EQ(static_cast<float>(smallest), 0.03125F);
+}
+
+// Nobody looks at the depth itself.
+TEST_F(ImageInputs, UncertaintyAloneIsReasonEnough) {
+  const Recorder<Image> stds(handle_, "misspelt_depth/uncertainty");
+  EXPECT_TRUE(comes(stds));
+}
+
 TEST_F(ImageInputs, AMisspeltBackendIsReplaced) {
   EXPECT_TRUE(waitUntil(
       [&] {

@@ -336,6 +336,19 @@ TEST(FlowOf, RefusesWhatContradictsItself) {
   expectRefused([](Flow& m) { m.image_width = m.image_height = 0xFFFFFFFF; }, {"16 x 9"});
 }
 
+TEST(DepthStdOf, SharesSharesOnly) {
+  const sensor_msgs::ImagePtr message = imageOf("32FC1", 4);
+  setPixel(*message, 2, 1, 0.25F);
+  const cv::Mat stds = depthStdOf(*message);
+  EXPECT_EQ(stds.data, message->data.data()) << "it was copied";
+  EXPECT_EQ(stds.at<float>(2, 1), 0.25F);
+  // Millimetres are no shares.
+  expectRefusal<std::invalid_argument>([] { depthStdOf(*imageOf("16UC1", 2)); },
+                                       {"depth uncertainty", "'16UC1'", "32FC1"});
+  message->width = 0;
+  expectRefusal<std::invalid_argument>([&] { depthStdOf(*message); }, {"empty"});
+}
+
 TEST(FlowImageOf, SharesTheImageOfAnExpectedFlow) {
   const FlowField field = flowField();
   const sensor_msgs::ImagePtr message = imageMessage({}, "32FC2", field.flow);

@@ -31,10 +31,10 @@ constexpr const char* kVerdict = "segmentation: segmentation";
 /// Messages of one image; faults change them, or send none by clearing `send...`.
 struct Frame {
   Flow flow, flow_back;
-  Image depth;
+  Image depth, depth_std;
   sensor_msgs::CameraInfo camera;
   geometry_msgs::TwistWithCovarianceStamped twist;
-  bool send_depth = true, send_twist = true, send_camera = true;
+  bool send_depth = true, send_depth_std = true, send_twist = true, send_camera = true;
 };
 using Fault = std::function<void(Frame&)>;
 
@@ -45,6 +45,7 @@ class LiveWorld {
       : flow_(handle.advertise<Flow>("flow", 10)),
         flow_back_(handle.advertise<Flow>("flow/backward", 10)),
         depth_(handle.advertise<Image>("depth", 10)),
+        depth_std_(handle.advertise<Image>("depth/uncertainty", 10)),
         camera_(handle.advertise<sensor_msgs::CameraInfo>("camera_info", 10)),
         twist_(handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10)) {
     broadcaster_.sendTransform(VisionWorld::mount());
@@ -70,6 +71,9 @@ class LiveWorld {
       const ros::Time stamp = ros::Time::now() + ros::Duration(offset_);
       Frame frame;
       frame.depth = VisionWorld::depth(stamp);
+      frame.depth_std =
+          imageOf(stamp, "32FC1",
+                  cv::Mat(VisionWorld::kGridHeight, VisionWorld::kGridWidth, CV_32FC1, cv::Scalar(0.05)));
       frame.camera = VisionWorld::cameraInfo(stamp);
       frame.twist = VisionWorld::twist(stamp);
       if (!before.isZero()) {
@@ -84,6 +88,7 @@ class LiveWorld {
       if (fault) fault(frame);
       if (frame.send_camera) camera_.publish(frame.camera);
       if (frame.send_twist) twist_.publish(frame.twist);
+      if (frame.send_depth_std) depth_std_.publish(frame.depth_std);
       if (frame.send_depth) depth_.publish(frame.depth);
       if (!before.isZero()) {
         flow_back_.publish(frame.flow_back);
@@ -94,7 +99,7 @@ class LiveWorld {
     }
   }
 
-  ros::Publisher flow_, flow_back_, depth_, camera_, twist_;
+  ros::Publisher flow_, flow_back_, depth_, depth_std_, camera_, twist_;
   tf2_ros::StaticTransformBroadcaster broadcaster_;
   std::mutex mutex_;
   Fault fault_;
@@ -269,6 +274,83 @@ TEST_F(SegmentationFaults, TheRefinedMotionIsPublished) {
     EXPECT_LT(twist.twist.covariance[0], 0.02);  // the radar's 0.1 m/s and better
   }
   ASSERT_TRUE(refine(false));
+}
+
+// The score with the uncertainty that comes with the depth.
+class DepthUncertainty : public SegmentationFaults {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(masksComeAnew());
+    ASSERT_TRUE(choose("uncertainty", true));
+    ASSERT_TRUE(masksComeAnew());
+    ASSERT_TRUE(masksComeAnew());
+  }
+  void TearDown() override {
+    world_.set({});
+    EXPECT_TRUE(choose("paper", false));
+  }
+  static bool choose(const std::string& score, bool use) {
+    dynamic_reconfigure::Reconfigure call;
+    dynamic_reconfigure::StrParameter text;
+    text.name = "score";
+    text.value = score;
+    call.request.config.strs.push_back(text);
+    dynamic_reconfigure::BoolParameter flag;
+    flag.name = "use_depth_uncertainty";
+    flag.value = use;
+    call.request.config.bools.push_back(flag);
+    dynamic_reconfigure::DoubleParameter flow_std;
+    flow_std.name = "flow_std";
+    flow_std.value = 1.0;
+    call.request.config.doubles.push_back(flow_std);
+    return ros::service::call("segmentation/set_parameters", call);
+  }
+  /// A pixel on the patch that moves.
+  static float scoreOf(const Image& message) {
+    return matOf(message, CV_32FC1).at<float>(VisionWorld::patch().y + 10, VisionWorld::patch().x + 20);
+  }
+  double latestScore() {
+    const std::size_t before = scores_.count();
+    EXPECT_TRUE(waitUntil([&] { return scores_.count() >= before + 6; }, kPatience));
+    return static_cast<double>(scoreOf(*scores_.messages().back()));
+  }
+  Recorder<Image> scores_{handle_, "dynamic/score"};
+};
+
+TEST_F(DepthUncertainty, LowersTheScoreWhereDepthIsUncertain) {
+  EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
+  const double sure = latestScore();
+  world_.set([](Frame& frame) {
+    cv::Mat stds = matOf(frame.depth_std, CV_32FC1).clone();
+    stds.setTo(30.0F);
+    frame.depth_std = imageOf(frame.depth_std.header.stamp, "32FC1", stds);
+  });
+  const double unsure = latestScore();
+  EXPECT_LT(unsure, 0.9 * sure);
+  ASSERT_TRUE(choose("uncertainty", false));  // it is not looked at any more
+  EXPECT_GT(latestScore(), unsure / 0.9);
+}
+
+TEST_F(DepthUncertainty, WhatIsWrongIsRefused) {
+  expectReported([](Frame& frame) { frame.depth_std.encoding = "16UC1"; }, kVerdict, "depth uncertainty");
+  expectReported(
+      [](Frame& frame) {
+        frame.depth_std = imageOf(frame.depth_std.header.stamp, "32FC1", cv::Mat::ones(90, 90, CV_32FC1));
+      },
+      kVerdict, "/depth/uncertainty");
+}
+
+// Without it the parameter holds, masks go on at once, and the diagnostic says so.
+TEST_F(DepthUncertainty, MasksDoNotWaitForIt) {
+  expectReported([](Frame& frame) { frame.send_depth_std = false; }, kVerdict, "/depth/uncertainty",
+                 DiagnosticStatus::WARN);
+  // Another stamp than that of the first image is another image's.
+  expectReported([](Frame& frame) { frame.depth_std.header.stamp += ros::Duration(0.001); }, kVerdict,
+                 "/depth/uncertainty", DiagnosticStatus::WARN);
+  world_.set([](Frame& frame) { frame.send_depth_std = false; });
+  ASSERT_TRUE(masksComeAnew());
+  ASSERT_TRUE(masksComeAnew());
+  EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
 }
 
 TEST_F(SegmentationFaults, StampAndSizeAreThoseOfTheFirstImage) {

@@ -55,6 +55,14 @@ void expectEqual(const DepthParams& params, const DepthParams& expected) {
   EXPECT_EQ(params.image_edges, expected.image_edges);
   EXPECT_EQ(params.background_depth, expected.background_depth);
   EXPECT_EQ(params.background_angle, expected.background_angle);
+  EXPECT_EQ(params.relative_std, expected.relative_std);
+  EXPECT_EQ(params.ground_pitch_std, expected.ground_pitch_std);
+  EXPECT_EQ(params.ground_height_std, expected.ground_height_std);
+  EXPECT_EQ(params.ground_relative_std, expected.ground_relative_std);
+  EXPECT_EQ(params.column_std, expected.column_std);
+  EXPECT_EQ(params.background_std, expected.background_std);
+  EXPECT_EQ(params.lidar_std, expected.lidar_std);
+  EXPECT_EQ(params.completion_std, expected.completion_std);
   EXPECT_EQ(params.completion_kernel, expected.completion_kernel);
   expectEqual(params.network, expected.network);
 }
@@ -138,6 +146,14 @@ TEST(VisionParameters, EveryParameterOfDepthArrives) {
   config.image_edges = expected.image_edges = true;
   config.background_depth = expected.background_depth = 55.0;
   config.background_angle = expected.background_angle = 0.2;
+  config.relative_std = expected.relative_std = 0.11;
+  config.ground_pitch_std = expected.ground_pitch_std = 0.03;
+  config.ground_height_std = expected.ground_height_std = 0.06;
+  config.ground_relative_std = expected.ground_relative_std = 0.14;
+  config.column_std = expected.column_std = 0.45;
+  config.background_std = expected.background_std = 0.75;
+  config.lidar_std = expected.lidar_std = 0.045;
+  config.completion_std = expected.completion_std = 0.0125;
   config.completion_kernel = expected.completion_kernel = 33;
   config.model = expected.network.model = "depth.pt";
   config.device = expected.network.device = "cuda:1";

@@ -73,6 +73,16 @@ TEST_F(TorchDepth, FarIsUnknown) {
   EXPECT_TRUE(std::isnan(depth.at<float>(300, 700)));
 }
 
+TEST_F(TorchDepth, IsAsUncertainAsItsParameterSays) {
+  DepthParams params = paramsOf(test::networks::depthOfRed());
+  params.relative_std = 0.07;
+  const auto estimator = makeDepthEstimator(params);
+  const cv::Mat depth = estimator->estimate(input_);
+  const cv::Mat stds = estimator->relativeStd(input_, depth);
+  EXPECT_FLOAT_EQ(stds.at<float>(300, 700), 0.07F);
+  EXPECT_TRUE(std::isnan(stds.at<float>(0, 350)));  // rows that are cut
+}
+
 TEST_F(TorchDepth, WrongNetworksAndInputsAreRefused) {
   const auto refused = [this](const std::string& forward, std::initializer_list<std::string> parts) {
     test::expectRefusal<std::invalid_argument>([&] { makeDepthEstimator(paramsOf(forward)); }, parts);

@@ -155,6 +155,30 @@ TEST(RefineMotion, FindsThePitchOfTheGroundAhead) {
   EXPECT_FLOAT_EQ(depth.at<float>(10, 10), 30.0F);  // a house is no ground
 }
 
+// What the image has told of the ground makes its depth more certain; houses stay as they are.
+TEST(RefineMotion, GroundThatTheImageHasSeenIsMoreCertain) {
+  MotionInput input = street(drive(), flat());
+  input.T_current_from_previous = drive();
+  input.motion_covariance = prior();
+  const GroundUncertainty before;
+  RefinedMotion refined = refineMotion(input, flat());
+  EXPECT_GT(refined.ground_uncertainty.pitch_std, 0.0);
+  EXPECT_LT(refined.ground_uncertainty.pitch_std, 0.9 * before.pitch_std);
+  EXPECT_LE(refined.ground_uncertainty.height_std, before.height_std);
+  EXPECT_EQ(refined.ground_uncertainty.relative_std, before.relative_std);
+
+  const cv::Mat stds(input.depth.size(), CV_32FC1, cv::Scalar(0.5));
+  const cv::Mat exchanged = exchangeGroundStd(stds, input.depth, kCamera, flat(), refined);
+  const cv::Mat wanted = groundRelativeStd(kCamera, mount(), refined.ground->height, refined.ground->pitch,
+                                           refined.ground_uncertainty);
+  EXPECT_FLOAT_EQ(exchanged.at<float>(200, 100), wanted.at<float>(200, 100));
+  EXPECT_LT(exchanged.at<float>(200, 100), 0.3F);
+  EXPECT_FLOAT_EQ(exchanged.at<float>(10, 10), 0.5F);
+  // Too few pixels tell nothing.
+  input.depth.setTo(std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(refineMotion(input, flat()).ground_uncertainty.pitch_std, before.pitch_std);
+}
+
 // Noise may bring a point right before the camera, or beyond.
 TEST(RefineMotion, StandsDepthsThatAreNone) {
   Vector6 change;
@@ -169,6 +193,26 @@ TEST(RefineMotion, StandsDepthsThatAreNone) {
   const RefinedMotion refined = refineMotion(input);
   EXPECT_TRUE(refined.T_current_from_previous.matrix().allFinite());
   EXPECT_LT(errorOf(refined, moved(change, drive())).head<3>().norm(), 5e-3);
+}
+
+// Depth of one half of the image is wrong by half; only what it says of itself tells which.
+TEST(RefineMotion, LooksAtTheUncertaintyOfEveryDepth) {
+  MotionInput input = street(drive(), flat());
+  input.depth.colRange(0, 200) *= 1.5;
+  input.T_current_from_previous = drive();
+  input.motion_covariance = prior();
+  RefinementParams params;
+  params.depth_std = 0.01;
+  params.kernel_width = 1e6;  // all pixels count
+  const double misled = errorOf(refineMotion(input, std::nullopt, params), drive()).norm();
+  input.depth_std = cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(0.01));
+  input.depth_std.colRange(0, 200).setTo(2.0);
+  EXPECT_LT(errorOf(refineMotion(input, std::nullopt, params), drive()).norm(), 0.3 * misled);
+  // One pixel that says nothing must not spoil the others: the parameter holds.
+  input.depth_std.colRange(200, 300).setTo(std::numeric_limits<double>::quiet_NaN());
+  const RefinedMotion refined = refineMotion(input, std::nullopt, params);
+  EXPECT_LT(errorOf(refined, drive()).norm(), 0.3 * misled);
+  EXPECT_GT(refined.correction.norm(), 0.0);
 }
 
 TEST(RefineMotion, TooLittleChangesNothing) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <random>
 #include <stdexcept>
@@ -287,6 +288,11 @@ TEST(UncertaintyScore, LooksAtTheNoiseOfEveryPixel) {
   move(input, {250, 120, 20, 10}, {6.0F, -6.0F});  // now along the direction of depth
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
   input.depth_std(cv::Rect(250, 120, 20, 10)).setTo(1.0);
+  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
+  // What is not a number says nothing: the parameter holds.
+  input.depth_std(cv::Rect(250, 120, 20, 10)).setTo(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
+  params.depth_std = 1.0;
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
 }
 

@@ -17,7 +17,8 @@ namespace radar_dot::evaluation {
 struct DepthEvaluationOptions {
   std::string channel = "CAM_FRONT";
   std::size_t max_images = 0;  ///< the first ones of each scene; 0 = all
-  /// A backend of makeDepthEstimator, "ground_truth", "noisy" (see noisyDepth), or "files".
+  /// A backend of makeDepthEstimator, "ground_truth", "noisy" (see noisyDepth), or "files". The sigmas of the
+  /// last three: kTrueDepthStd, noisyDepthStd, and DepthParams::relative_std.
   std::string depth = "radar_ground";
   /// Folder with <stem of the image>.png, for depth "files": 16-bit PNG, m * 256, 0 = unknown.
   std::string depth_directory;
@@ -50,11 +51,12 @@ struct DepthReport {
 DepthReport evaluateDepth(const dataset::Tables& tables, dataset::Index scene,
                           const DepthEvaluationOptions& options = {});
 
-/// Plain-text table; the last row is the overall result. m, coverage as a share.
+/// Plain-text table; the last row is the overall result. m, coverage as a share, and two quantiles of
+/// NormalisedErrors: right sigmas give 0.674 and 1, too small ones more.
 std::string formatTable(const std::vector<DepthReport>& scenes, const DepthReport& overall);
 /// {"scenes": [{"scene", "images", "without_truth", "mae_50", "rmse_50" (m), "coverage_50" (share of the true
-/// pixels), "true_pixels_50", "compared_50", and the same of 70 and 80 m}], "overall": {same keys}}. Figures
-/// that do not exist are null.
+/// pixels), "true_pixels_50", "compared_50", and the same of 70 and 80 m, "sigma_median", "sigma_68"
+/// (quantiles of NormalisedErrors)}], "overall": {same keys}}. Figures that do not exist are null.
 std::string formatJson(const std::vector<DepthReport>& scenes, const DepthReport& overall);
 /// The same as columns.
 std::string formatCsv(const std::vector<DepthReport>& scenes, const DepthReport& overall);

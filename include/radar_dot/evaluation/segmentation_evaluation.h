@@ -55,6 +55,9 @@ struct SegmentationEvaluationOptions {
   MotionUncertainty motion_uncertainty;  ///< for the score by uncertainty, and for `refine`
   bool refine = false;                   ///< the motion by the image (refineMotion), and the ground by it
   RefinementParams refinement;
+  /// MotionInput::depth_std is what the depth declares (see DepthEvaluationOptions::depth), not a constant.
+  /// For the score by uncertainty, and for `refine`.
+  bool depth_uncertainty = false;
   /// The first image is also seen together with the one before it (MotionSegmenter::segment): the keyframe
   /// before, or with pairs "next" the image before. Needs a flow backend and the score by uncertainty.
   bool look_back = false;

@@ -8,6 +8,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 
+#include "radar_dot/vision/depth_estimator.h"
 #include "radar_dot/vision/motion_segmentation.h"
 
 namespace radar_dot {
@@ -31,9 +32,11 @@ struct RefinementParams {
   double flow_std_relative = 0.03;  ///< share of the flow's length, on top
   double closure_weight = 0.3;      ///< share of the gap between flow there and back, where that is known
   double depth_std = 0.3;           ///< share of the inverse depth, where MotionInput::depth_std does not say
-  double ground_depth_std = 0.1;    ///< the same of the ground plane
-  double ground_pitch_std = 0.02;   ///< rad, of the ground before the vehicle
-  double ground_height_std = 0.05;  ///< m
+  /// The same of the ground plane, whatever MotionInput::depth_std says: what it says of pitch and height is
+  /// in the two below, which are estimated.
+  double ground_depth_std = GroundUncertainty{}.relative_std;
+  double ground_pitch_std = GroundUncertainty{}.pitch_std;    ///< rad, of the ground before the vehicle
+  double ground_height_std = GroundUncertainty{}.height_std;  ///< m
   /// The errors of neighbours are alike: all pixels together tell as much as this many independent ones.
   double independent_pixels = 300.0;
   /// Squared distance, in units of its expectation, from which on a pixel hardly counts: Geman and McClure's
@@ -58,8 +61,9 @@ struct RefinedMotion {
   /// (omega, tau) after the motion given, rad and m, camera frame at t
   Eigen::Matrix<double, 6, 1> correction = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of the refined motion
-  std::optional<GroundPlane> ground;  ///< refined, where one was given
-  std::size_t pixels = 0;             ///< that were looked at; fewer than 50: the motion is the one given
+  std::optional<GroundPlane> ground;     ///< refined, where one was given
+  GroundUncertainty ground_uncertainty;  ///< of the refined ground
+  std::size_t pixels = 0;                ///< that were looked at; fewer than 50: the motion is the one given
 };
 
 /// Motion of the camera from flow and depth of all pixels, with the motion given and its covariance as the
@@ -79,5 +83,11 @@ RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundP
 /// Depth whose pixels of one ground plane are those of another. @param max_depth  m, farther is unknown
 cv::Mat exchangeGround(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
                        const GroundPlane& refined, double max_depth);
+
+/// The uncertainty of that depth (share of the inverse depth, CV_32FC1): where `depth` shows the drawn
+/// ground, that of the refined one, else as in `relative_std`. @param depth  m, before its ground is
+/// exchanged
+cv::Mat exchangeGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
+                          const GroundPlane& drawn, const RefinedMotion& refined);
 
 }  // namespace radar_dot

@@ -83,8 +83,9 @@ struct MotionInput {
   cv::Mat flow_valid;  ///< CV_8UC1, 0 = unreliable; empty: all are reliable
   /// CV_32FC1, px of the grid: the gap between flow there and back; empty or NaN: not known
   cv::Mat flow_closure;
-  cv::Mat depth;       ///< CV_32FC1, m, at t-1 (the paper's D_{t-1}); NaN, 0 or less = unknown
-  cv::Mat depth_std;   ///< CV_32FC1, 1 sigma of the inverse depth at t-1, share of it; empty: MotionParams
+  cv::Mat depth;  ///< CV_32FC1, m, at t-1 (the paper's D_{t-1}); NaN, 0 or less = unknown
+  /// CV_32FC1, 1 sigma of the inverse depth at t-1, share of it; empty, NaN or negative: MotionParams
+  cv::Mat depth_std;
   cv::Mat next_depth;  ///< CV_32FC1, m, at t (the paper's D_t); empty: no depth residual anywhere
   std::vector<Eigen::Vector3f>
       dynamic_points;  ///< m, camera frame at t-1: dynamic radar returns, for radar_gain
