@@ -14,7 +14,8 @@ namespace radar_dot {
 /// @param closure  CV_32FC1, px, its gap; or empty
 MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const cv::Mat& closure);
 
-/// Neither one pair nor all pairs before together say more than these odds, e^6.
+/// Neither one pair nor all pairs before together say more than these odds, e^6. With the default
+/// MotionParams::seed that carries regions on, but starts none: what is seen now must say so, too.
 constexpr float kMostBelief = 6.0F;
 
 /// Log-odds that a pixel moves, after a pair by the score by uncertainty: how far its score is above the
