@@ -184,15 +184,7 @@ void SceneRunner::refine(const ImagePair& pair, MotionInput& input) {
     ground = GroundPlane{images_.mountOf(images_.reading(pair.first)), options_.depth_params.ground_height,
                          options_.depth_params.ground_pitch};
   }
-  const RefinedMotion refined = refineMotion(input, ground, options_.refinement);
-  input.T_current_from_previous = refined.T_current_from_previous;
-  input.motion_covariance = refined.covariance;
-  if (!ground) return;
-  if (!input.depth_std.empty())
-    input.depth_std = exchangeGroundStd(input.depth_std, input.depth, input.camera, *ground, refined);
-  const double farthest = options_.depth_params.max_depth;
-  input.depth = exchangeGround(input.depth, input.camera, *ground, *refined.ground, farthest);
-  input.next_depth = exchangeGround(input.next_depth, input.camera, *ground, *refined.ground, farthest);
+  refineInput(input, ground, options_.depth_params.max_depth, options_.refinement);
 }
 
 /// Movers whose true flow hardly differs from that of a static world, or that the other image does not show.
@@ -279,12 +271,8 @@ std::optional<MotionInput> SceneRunner::lookBack(const Prepared& prepared) {
     images_.begin(prepared.pair);
   }
   if (!latest_) return std::nullopt;
-  MotionInput seen = seenFromSecond(latest_->input, latest_->backward.flow, latest_->backward.closure);
-  seen.depth = prepared.input.depth;
-  seen.depth_std = prepared.input.depth_std;
-  seen.dynamic_points = prepared.input.dynamic_points;
-  seen.static_points = prepared.input.static_points;
-  return seen;
+  return seenWithTheImageBefore(prepared.input, latest_->input, latest_->backward.flow,
+                                latest_->backward.closure);
 }
 
 cv::Mat SceneRunner::segment(Prepared& prepared) {

@@ -301,21 +301,10 @@ std::vector<Eigen::Vector3f> DynamicSegmentationNodelet::dynamicPoints(
 }
 
 void DynamicSegmentationNodelet::refine(Inputs& inputs) {
-  MotionInput& motion = inputs.motion;
   std::optional<GroundPlane> ground;
   if (config_.refine_ground)
     ground = GroundPlane{inputs.T_base_from_camera, config_.ground_height, config_.ground_pitch};
-  const RefinedMotion refined = refineMotion(motion, ground);
-  motion.T_current_from_previous = refined.T_current_from_previous;
-  motion.motion_covariance = refined.covariance;
-  if (ground) {
-    if (!motion.depth_std.empty())
-      motion.depth_std = exchangeGroundStd(motion.depth_std, motion.depth, motion.camera, *ground, refined);
-    motion.depth = exchangeGround(motion.depth, motion.camera, *ground, *refined.ground, config_.max_depth);
-    if (!motion.next_depth.empty())
-      motion.next_depth =
-          exchangeGround(motion.next_depth, motion.camera, *ground, *refined.ground, config_.max_depth);
-  }
+  refineInput(inputs.motion, ground, config_.max_depth);
   if (refined_publisher_.getNumSubscribers() > 0)
     refined_publisher_.publish(refinedTwist(inputs, inputs.T_base_from_camera, base_frame_));
 }

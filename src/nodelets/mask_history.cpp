@@ -33,12 +33,7 @@ MaskHistory::Backward MaskHistory::backwardTo(const PairInputs& pair) const {
 std::optional<MotionInput> MaskHistory::pairBefore(const PairInputs& pair) const {
   const Backward backward = backwardTo(pair);
   if (backward.flow.empty()) return std::nullopt;
-  MotionInput seen = seenFromSecond(latest_->motion, backward.flow, backward.closure);
-  seen.depth = pair.motion.depth;
-  seen.depth_std = pair.motion.depth_std;
-  seen.dynamic_points = pair.motion.dynamic_points;
-  seen.static_points = pair.motion.static_points;
-  return seen;
+  return seenWithTheImageBefore(pair.motion, latest_->motion, backward.flow, backward.closure);
 }
 
 cv::Mat MaskHistory::beliefFor(const PairInputs& pair, double memory) const {

@@ -27,6 +27,16 @@ MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const c
   return seen;
 }
 
+MotionInput seenWithTheImageBefore(const MotionInput& pair, const MotionInput& pair_before,
+                                   const cv::Mat& flow_back, const cv::Mat& closure) {
+  MotionInput seen = seenFromSecond(pair_before, flow_back, closure);
+  seen.depth = pair.depth;
+  seen.depth_std = pair.depth_std;
+  seen.dynamic_points = pair.dynamic_points;
+  seen.static_points = pair.static_points;
+  return seen;
+}
+
 cv::Mat logOdds(const MotionResult& result) {
   const auto tau = static_cast<float>(result.threshold);
   const auto over_scale = static_cast<float>(1.0 / result.scale);

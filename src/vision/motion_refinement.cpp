@@ -310,4 +310,17 @@ cv::Mat exchangeGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, con
   return exchanged;
 }
 
+void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, double max_depth,
+                 const RefinementParams& params) {
+  const RefinedMotion refined = refineMotion(input, ground, params);
+  input.T_current_from_previous = refined.T_current_from_previous;
+  input.motion_covariance = refined.covariance;
+  if (!ground) return;
+  if (!input.depth_std.empty())
+    input.depth_std = exchangeGroundStd(input.depth_std, input.depth, input.camera, *ground, refined);
+  input.depth = exchangeGround(input.depth, input.camera, *ground, *refined.ground, max_depth);
+  if (!input.next_depth.empty())
+    input.next_depth = exchangeGround(input.next_depth, input.camera, *ground, *refined.ground, max_depth);
+}
+
 }  // namespace radar_dot

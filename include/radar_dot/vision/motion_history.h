@@ -14,6 +14,11 @@ namespace radar_dot {
 /// @param closure  CV_32FC1, px, its gap; or empty
 MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const cv::Mat& closure);
 
+/// The first image of a pair, seen together with the image before it: the pair that ended with it, seen from
+/// its second image, with all that belongs to the image itself as in `pair`. For MotionSegmenter::segment.
+MotionInput seenWithTheImageBefore(const MotionInput& pair, const MotionInput& pair_before,
+                                   const cv::Mat& flow_back, const cv::Mat& closure);
+
 /// Neither one pair nor all pairs before together say more than these odds, e^6. With the default
 /// MotionParams::seed that carries regions on, but starts none: what is seen now must say so, too.
 constexpr float kMostBelief = 6.0F;

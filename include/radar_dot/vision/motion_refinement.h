@@ -90,4 +90,9 @@ cv::Mat exchangeGround(const cv::Mat& depth, const CameraIntrinsics& camera, con
 cv::Mat exchangeGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
                           const GroundPlane& drawn, const RefinedMotion& refined);
 
+/// A pair with its motion refined (refineMotion): motion, covariance, and where the ground is given, both
+/// depths and their uncertainty. @param max_depth  m, ground farther than this is unknown
+void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, double max_depth,
+                 const RefinementParams& params = {});
+
 }  // namespace radar_dot
