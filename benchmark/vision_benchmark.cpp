@@ -71,7 +71,7 @@ void motionSegmenterByUncertainty(benchmark::State& state) {
   MotionInput input = street();
   addMover(input);
   input.flow_valid.release();
-  input.flow_closure = cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(0.5));
+  input.fb_error = cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(0.5));
   input.depth_std = cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(0.2));
   input.motion_covariance.diagonal() << 1e-4, 1e-5, 1e-4, 1e-3, 1e-3, 2e-3;
   const auto threads = static_cast<std::size_t>(state.range(0));

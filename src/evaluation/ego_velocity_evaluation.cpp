@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "estimated_sweeps.h"
+#include "sweep_velocities.h"
 #include "radar_dot/radar/odometry.h"
 #include "radar_scene.h"
 #include "wheel_speed.h"
@@ -63,7 +63,7 @@ void addErrors(const EstimatedVelocity& estimate, const Eigen::Vector3d& truth, 
 }
 
 void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& options,
-                   const EstimatedSweeps& sweeps, SavedMasks& masks, VelocityReport& report) {
+                   const SweepVelocities& sweeps, SavedMasks& masks, VelocityReport& report) {
   std::map<std::string, EgoVelocityEstimator> variants;
   for (const char* variant : kVariants) {
     variants.emplace(variant, EgoVelocityEstimator(variantParams(options.estimator, variant)));
@@ -123,7 +123,7 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
 }
 
 /// The latest velocity at or before the middle of each pair of keyframes, brought to it, as on a vehicle.
-void evaluateSweeps(const RadarScene& scene, const EstimatedSweeps& sweeps, VelocityReport& report) {
+void evaluateSweeps(const RadarScene& scene, const SweepVelocities& sweeps, VelocityReport& report) {
   for (const Interval& interval : intervalsOf(scene)) {
     const double middle = interval.middle();
     const Eigen::Vector3d truth = scene.truth.meanVelocity(interval.begin, interval.end);
@@ -156,11 +156,11 @@ void evaluateMounts(const RadarScene& scene, const VelocityEvaluationOptions& op
         const Eigen::Vector3d bearing = Eigen::AngleAxisd(rotation, Eigen::Vector3d::UnitZ()) *
                                         R_base_from_sensor * measured.bearing.cast<double>();
         const double residual = static_cast<double>(measured.doppler) +
-                                rotation * static_cast<double>(measured.across) + bearing.dot(velocity);
+                                rotation * static_cast<double>(measured.tangential_speed) + bearing.dot(velocity);
         if (std::abs(residual) >= static_limit) continue;
-        const double across = Eigen::Vector3d::UnitZ().cross(bearing).dot(velocity);
-        error.numerator -= across * residual;
-        error.denominator += across * across;
+        const double tangential_speed = Eigen::Vector3d::UnitZ().cross(bearing).dot(velocity);
+        error.numerator -= tangential_speed * residual;
+        error.denominator += tangential_speed * tangential_speed;
       }
     }
   }
@@ -303,7 +303,7 @@ VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
     }
   }
   SavedMasks masks(tables, scene, options);
-  const EstimatedSweeps sweeps = estimateSweeps(loaded, options, masks);
+  const SweepVelocities sweeps = sweepVelocities(loaded, options, masks);
   report.sweeps = sweeps.count;
   report.sweeps_refused = sweeps.refused;
   evaluatePairs(loaded, options, sweeps, masks, report);

@@ -14,8 +14,8 @@
 #include <stdexcept>
 
 #include "annotated_objects.h"
-#include "causal_motion.h"
-#include "estimated_sweeps.h"
+#include "online_motion.h"
+#include "sweep_velocities.h"
 #include "object_masks.h"
 #include "radar_dot/objects/assignment.h"
 #include "radar_scene.h"
@@ -45,7 +45,7 @@ void addDoubtful(const RadarScan& doubtful, const EstimatedVelocity& velocity, c
 }
 
 std::vector<SeenScan> seenScans(const RadarScene& scene, const RadarScene* doubtful,
-                                const CausalMotion& motion, const ObjectEvaluationOptions& options) {
+                                const OnlineMotion& motion, const ObjectEvaluationOptions& options) {
   std::vector<SeenScan> seen;
   for (std::size_t radar = 0; radar < scene.radars.size(); ++radar) {
     for (std::size_t i = 0; i < scene.radars[radar].scans.size(); ++i) {
@@ -87,7 +87,7 @@ Eigen::Vector2d inBase(const Eigen::Isometry3d& T_map_from_base, const Eigen::Ve
 /// Compares tracks with boxes, keyframe by keyframe.
 class Comparison {
  public:
-  Comparison(const dataset::Tables& tables, const RadarScene& scene, const CausalMotion& motion,
+  Comparison(const dataset::Tables& tables, const RadarScene& scene, const OnlineMotion& motion,
              const std::vector<SeenScan>& scans, const ObjectEvaluationOptions& options, ObjectReport& report)
       : tables_(tables), scene_(scene), motion_(motion), scans_(scans), options_(options), report_(report) {}
 
@@ -214,7 +214,7 @@ class Comparison {
 
   const dataset::Tables& tables_;
   const RadarScene& scene_;
-  const CausalMotion& motion_;
+  const OnlineMotion& motion_;
   const std::vector<SeenScan>& scans_;
   const ObjectEvaluationOptions& options_;
   ObjectReport& report_;
@@ -223,7 +223,7 @@ class Comparison {
 
 /// Feeds a tracker with scans and masks in the order in which they are known, and compares its tracks at
 /// every keyframe.
-void followObjects(const RadarScene& scene, const CausalMotion& motion, const std::vector<SeenScan>& scans,
+void followObjects(const RadarScene& scene, const OnlineMotion& motion, const std::vector<SeenScan>& scans,
                    ObjectMasks* masks, const ObjectEvaluationOptions& options, Comparison& comparison) {
   constexpr double kEnd = std::numeric_limits<double>::infinity();
   ObjectTracker tracker(options.tracker);
@@ -279,7 +279,7 @@ ObjectReport evaluateObjects(const dataset::Tables& tables, Index scene,
   extraction.filter = options.filter;
   const RadarScene for_objects = loadRadarScene(tables, scene, ego.channels, extraction);
   SavedMasks masks(tables, scene, ego);
-  const CausalMotion motion(estimateSweeps(for_ego, ego, masks).filtered);
+  const OnlineMotion motion(sweepVelocities(for_ego, ego, masks).filtered);
   std::optional<RadarScene> with_doubtful;
   if (options.doubtful) {
     extraction.filter.invalid_states.clear();

@@ -18,7 +18,7 @@ namespace radar_dot::evaluation {
 class ObjectMasks {
  public:
   /// Tables and radar must outlive it.
-  /// @throws dataset::DatasetError see MaskFolder; std::invalid_argument for options that make no sense.
+  /// @throws dataset::DatasetError see MaskFolder; std::invalid_argument for invalid options.
   ObjectMasks(const dataset::Tables& tables, dataset::Index scene, const RadarScene& radar,
               const ObjectMaskOptions& options);
 

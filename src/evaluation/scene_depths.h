@@ -44,7 +44,7 @@ void validate(const DepthSource& source);
 /// once, and kept until it is told to be forgotten.
 class SceneDepths {
  public:
-  /// Tables and radar must outlive it. @throws std::invalid_argument for a source that makes no sense.
+  /// Tables and radar must outlive it. @throws std::invalid_argument for an invalid source.
   SceneDepths(const dataset::Tables& tables, const RadarScene& radar, const DepthSource& source);
 
   /// Forgets the other images.

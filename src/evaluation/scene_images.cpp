@@ -57,7 +57,7 @@ std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const
   return found;
 }
 
-std::optional<ImagePair> pairBefore(const dataset::Tables& tables, const ImagePair& pair,
+std::optional<ImagePair> previousPair(const dataset::Tables& tables, const ImagePair& pair,
                                     const std::string& pairs) {
   for (Index row = tables.sample_data[at(pair.first)].previous; row != dataset::kNone;
        row = tables.sample_data[at(row)].previous) {
@@ -126,8 +126,8 @@ FlowField SceneImages::flowOf(const ImagePair& pair, const MotionInput& input) {
   field = flow_->compute(pictureOf(pair.first), pictureOf(pair.second), expected);
   if (field.flow.size() == size) return field;
   if (!field.valid.empty()) field.valid = resizeNearest(field.valid, size);
-  if (!field.closure.empty())
-    field.closure = resizeNearest(field.closure, size) * (static_cast<double>(size.width) / field.flow.cols);
+  if (!field.fb_error.empty())
+    field.fb_error = resizeNearest(field.fb_error, size) * (static_cast<double>(size.width) / field.flow.cols);
   if (!field.backward.empty()) field.backward = resizeFlow(field.backward, size);
   field.flow = resizeFlow(field.flow, size);
   return field;

@@ -29,7 +29,7 @@ std::vector<ImagePair> pairsOf(const dataset::Tables& tables, dataset::Index sce
 
 /// The pair by the same rule that ends with the first image of a pair; none at the begin of a scene, or where
 /// its first image is not on disk.
-std::optional<ImagePair> pairBefore(const dataset::Tables& tables, const ImagePair& pair,
+std::optional<ImagePair> previousPair(const dataset::Tables& tables, const ImagePair& pair,
                                     const std::string& pairs);
 
 /// Flow of a backend, not of the truth or of files.
@@ -38,7 +38,7 @@ bool isEstimatedFlow(const std::string& flow);
 /// What the evaluation sees of the images of a scene: besides their depths, motion and flow of pairs.
 class SceneImages : public SceneDepths {
  public:
-  /// All three must outlive it. @throws std::invalid_argument for options that make no sense.
+  /// All three must outlive it. @throws std::invalid_argument for invalid options.
   SceneImages(const dataset::Tables& tables, const RadarScene& radar,
               const SegmentationEvaluationOptions& options);
 
@@ -52,7 +52,7 @@ class SceneImages : public SceneDepths {
   FlowField flowOf(const ImagePair& pair, const MotionInput& input);
   /// True flow of a simulated dataroot; what the second image does not show is not valid.
   const FlowField& trueFlow(const ImagePair& pair);
-  /// 255 where an image of a simulated dataroot shows what moves by itself, else 0: CV_8UC1, on the grid.
+  /// 255 where an image of a simulated dataroot shows what moves independently, else 0: CV_8UC1, on the grid.
   /// @throws dataset::DatasetError naming the file.
   cv::Mat trueMovers(dataset::Index row) const;
 

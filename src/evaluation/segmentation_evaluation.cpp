@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "creeping_actors.h"
-#include "estimated_sweeps.h"
+#include "sweep_velocities.h"
 #include "mask_feedback.h"
 #include "radar_dot/vision/motion_history.h"
 #include "radar_dot/vision/rigid_motion.h"
@@ -70,7 +70,7 @@ class SceneRunner {
   std::optional<Prepared> prepare(const ImagePair& pair, Mean& velocity_error);
   std::optional<MotionInput> lookBack(const Prepared& prepared);
   cv::Mat segment(Prepared& prepared);
-  bool usesTheFlowBack() const { return options_.look_back || options_.memory > 0.0; }
+  bool needsBackwardFlow() const { return options_.look_back || options_.memory > 0.0; }
   double secondsBetween(const ImagePair& pair) const {
     return secondsOf(images_.reading(pair.second)) - secondsOf(images_.reading(pair.first));
   }
@@ -243,13 +243,13 @@ std::optional<SceneRunner::Prepared> SceneRunner::prepare(const ImagePair& pair,
   const FlowField field = images_.flowOf(pair, input);
   input.flow = field.flow;
   const bool by_uncertainty = options_.motion.score == MotionScore::kUncertainty;
-  // The gap between flow there and back is noise to this score, and no reason to leave a pixel out.
-  if (by_uncertainty && !field.closure.empty()) {
-    input.flow_closure = field.closure;
+  // The forward-backward error is noise to this score, and no reason to leave a pixel out.
+  if (by_uncertainty && !field.fb_error.empty()) {
+    input.fb_error = field.fb_error;
   } else {
     input.flow_valid = field.valid;
   }
-  if (usesTheFlowBack()) prepared.backward = backwardField(field, options_.optical_flow);
+  if (needsBackwardFlow()) prepared.backward = backwardField(field, options_.optical_flow);
   const auto start = std::chrono::steady_clock::now();
   if (by_uncertainty || options_.refine) {
     input.motion_covariance = cameraCovariance(
@@ -260,9 +260,9 @@ std::optional<SceneRunner::Prepared> SceneRunner::prepare(const ImagePair& pair,
   return prepared;
 }
 
-/// The first image of the pair, seen together with the image before it; none where there is none.
+/// The first image of the pair, seen together with the previous image; none where there is none.
 std::optional<MotionInput> SceneRunner::lookBack(const Prepared& prepared) {
-  const std::optional<ImagePair> before = pairBefore(tables_, prepared.pair, options_.pairs);
+  const std::optional<ImagePair> before = previousPair(tables_, prepared.pair, options_.pairs);
   if (!before) return std::nullopt;
   if (!latest_ || latest_->pair.first != before->first || latest_->pair.second != before->second) {
     Mean not_counted;
@@ -271,8 +271,8 @@ std::optional<MotionInput> SceneRunner::lookBack(const Prepared& prepared) {
     images_.begin(prepared.pair);
   }
   if (!latest_) return std::nullopt;
-  return seenWithTheImageBefore(prepared.input, latest_->input, latest_->backward.flow,
-                                latest_->backward.closure);
+  return previousPairFromFirst(prepared.input, latest_->input, latest_->backward.flow,
+                                latest_->backward.fb_error);
 }
 
 cv::Mat SceneRunner::segment(Prepared& prepared) {
@@ -303,7 +303,7 @@ void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, Segmenta
     ++report.without_motion;
     mask = cv::Mat::zeros(grid.height, grid.width, CV_8UC1);
   }
-  if (usesTheFlowBack()) latest_ = std::move(prepared);
+  if (needsBackwardFlow()) latest_ = std::move(prepared);
   cv::Mat ignored, creeping;
   if (options_.min_true_residual > 0.0) {
     const double pixel_scale = static_cast<double>(images_.reading(pair.first).width) / grid.width;

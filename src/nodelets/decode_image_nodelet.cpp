@@ -30,9 +30,9 @@ class DecodeImageNodelet : public StreamNodelet {
     ++decoded_;
   }
 
-  void forgetThePast() override {}
+  void clearHistory() override {}
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override {
-    status.summary(diagnostic_msgs::DiagnosticStatus::OK, connected() ? "decoding" : "nobody wants images");
+    status.summary(diagnostic_msgs::DiagnosticStatus::OK, connected() ? "decoding" : "idle: no subscribers");
     status.addf("images decoded", "%zu", decoded_);
   }
 

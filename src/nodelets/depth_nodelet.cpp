@@ -16,7 +16,7 @@ namespace {
 
 std::unique_ptr<DepthEstimator> checked(const DepthConfig& config) {
   DepthParams params = depthParams(config);
-  // The other parameters of somebody else's depth are checked all the same.
+  // The other parameters of an external depth are checked all the same.
   if (config.backend == kTopicBackend) params.backend = DepthParams{}.backend;
   return makeDepthEstimator(params);
 }
@@ -97,7 +97,7 @@ void DepthNodelet::disconnectInputs() {
     input->setTopic({});
     input->reset();
   }
-  forgetThePast();
+  clearHistory();
 }
 
 void DepthNodelet::connectInputs() {
@@ -110,7 +110,7 @@ void DepthNodelet::connectInputs() {
     return;
   }
   image_subscriber_ =
-      listenToImages(*image_, 3, [this](LazyPicture picture) { onImage(std::move(picture)); });
+      listenToImages(*image_, 3, [this](LazyImage picture) { onImage(std::move(picture)); });
   subscribers_.push_back(listenToCamera(*camera_input_, camera_));
   subscribers_.push_back(listenToTwists(*twist_input_, *motion_));
   const DepthNeeds needs = estimator_->needs();
@@ -120,13 +120,13 @@ void DepthNodelet::connectInputs() {
     subscribers_.push_back(listenToClouds(*input, topic, *radar_clouds_));
 }
 
-void DepthNodelet::forgetThePast() {
+void DepthNodelet::clearHistory() {
   radar_clouds_->clear();
   lidar_clouds_->clear();
   motion_->forget();
 }
 
-void DepthNodelet::onImage(LazyPicture picture) {
+void DepthNodelet::onImage(LazyImage picture) {
   const ros::WallTime start = ros::WallTime::now();
   const std_msgs::Header header = picture.header();
   if (!camera_) throw std::invalid_argument("nothing on '" + camera_input_->topic() + "' yet");
@@ -186,7 +186,7 @@ void DepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   const double without_depth = (ros::WallTime::now() - last_depth_).toSec();
   if (!connected()) {
-    status.summary(DiagnosticStatus::OK, "nobody wants depth");
+    status.summary(DiagnosticStatus::OK, "idle: no subscribers");
   } else if (without_depth > silentAfter()) {
     status.summaryf(DiagnosticStatus::ERROR, "no depth for %.1f s", without_depth);
   } else if (computed_ > 0 && known_share_ == 0.0) {

@@ -31,12 +31,12 @@ class DepthNodelet : public ImageSubscriber {
   void configure(const DepthConfig& config);
   void connectInputs();
   void disconnectInputs();
-  void forgetThePast() override;
+  void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
-  void onImage(LazyPicture picture);
+  void onImage(LazyImage picture);
   void onDepth(const sensor_msgs::ImageConstPtr& message);
-  /// @param relative_std  of the depth; empty where nobody wants it
+  /// @param relative_std  of the depth; empty without subscribers
   void publish(const std_msgs::Header& header, const cv::Mat& depth, const cv::Mat& relative_std);
   bool wantsUncertainty() const { return uncertainty_publisher_.getNumSubscribers() > 0; }
 

@@ -30,7 +30,7 @@ void DynamicSegmentationNodelet::onInit() {
   base_frame_ = private_handle.param<std::string>("base_frame", "base_link");
   extrinsics_ = std::make_unique<Extrinsics>(base_frame_, handle);
   motion_ = std::make_unique<EgoMotion>(
-      *extrinsics_, [this] { processWaiting(); }, [this](const std::string& text) { warn("rotation", text); },
+      *extrinsics_, [this] { processQueue(); }, [this](const std::string& text) { warn("rotation", text); },
       true);
   dynamic_returns_ = std::make_unique<RecentClouds>(
       *extrinsics_, *motion_, [this](const std::string& text) { warn("sensor", text); });
@@ -71,15 +71,15 @@ void DynamicSegmentationNodelet::connect() {
   depth_subscriber_ =
       listen<sensor_msgs::Image>(*depth_input_, "depth", 5, [this](const sensor_msgs::ImageConstPtr& depth) {
         depths_.add(depth);
-        processWaiting();
+        processQueue();
       });
   camera_subscriber_ = listenToCamera(*camera_input_, camera_);
   twist_subscriber_ = listenToTwists(*twist_input_, *motion_);
   waiting_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kWaitingPeriod),
-                                                   [this](const ros::WallTimerEvent&) { processWaiting(); });
-  followRadarGain();
-  followHistory();
-  followDepthUncertainty();
+                                                   [this](const ros::WallTimerEvent&) { processQueue(); });
+  updateRadarSubscription();
+  updateBackwardSubscription();
+  updateUncertaintySubscription();
 }
 
 void DynamicSegmentationNodelet::disconnect() {
@@ -88,22 +88,22 @@ void DynamicSegmentationNodelet::disconnect() {
   stop(*depth_input_, depth_subscriber_);
   stop(*camera_input_, camera_subscriber_);
   stop(*twist_input_, twist_subscriber_);
-  followRadarGain();
-  followHistory();
-  followDepthUncertainty();
-  forgetThePast();
+  updateRadarSubscription();
+  updateBackwardSubscription();
+  updateUncertaintySubscription();
+  clearHistory();
 }
 
 void DynamicSegmentationNodelet::configure(const DynamicSegmentationConfig& config) {
   segmenter_ = MotionSegmenter(motionParams(config));
   config_ = config;
   history_.clear();  // of masks by other parameters
-  followRadarGain();
-  followHistory();
-  followDepthUncertainty();
+  updateRadarSubscription();
+  updateBackwardSubscription();
+  updateUncertaintySubscription();
 }
 
-void DynamicSegmentationNodelet::followRadarGain() {
+void DynamicSegmentationNodelet::updateRadarSubscription() {
   const bool listening = static_cast<bool>(radar_subscriber_);
   const bool wanted = connected() && config_.radar_gain > 0.0;
   if (wanted && !listening) {
@@ -113,7 +113,7 @@ void DynamicSegmentationNodelet::followRadarGain() {
   }
 }
 
-void DynamicSegmentationNodelet::followHistory() {
+void DynamicSegmentationNodelet::updateBackwardSubscription() {
   const bool listening = static_cast<bool>(backward_subscriber_);
   const bool wanted = connected() && (looksBack() || remembers());
   if (wanted && !listening) {
@@ -124,7 +124,7 @@ void DynamicSegmentationNodelet::followHistory() {
   }
 }
 
-void DynamicSegmentationNodelet::followDepthUncertainty() {
+void DynamicSegmentationNodelet::updateUncertaintySubscription() {
   const bool listening = static_cast<bool>(depth_std_subscriber_);
   const bool wanted = connected() && usesDepthUncertainty();
   if (wanted && !listening) {
@@ -137,7 +137,7 @@ void DynamicSegmentationNodelet::followDepthUncertainty() {
   }
 }
 
-void DynamicSegmentationNodelet::forgetThePast() {
+void DynamicSegmentationNodelet::clearHistory() {
   waiting_.clear();
   history_.clear();
   depths_.clear();
@@ -165,21 +165,21 @@ void DynamicSegmentationNodelet::onFlow(const FlowConstPtr& flow) {
     throw std::invalid_argument("second_stamp: it must be given, and differ from the stamp of the header");
   }
   waiting_.push_back({flow, ros::WallTime::now(), {}, {}});
-  processWaiting();
+  processQueue();
 }
 
-void DynamicSegmentationNodelet::processWaiting() {
+void DynamicSegmentationNodelet::processQueue() {
   while (!waiting_.empty()) {
     WaitingFlow& front = waiting_.front();
     Inputs inputs;
     std::string missing;
-    Gathered gathered = Gathered::kNever;
+    Availability availability = Availability::kImpossible;
     try {
-      gathered = gather(front, inputs, missing);
-      const bool patient = (ros::WallTime::now() - front.arrival).toSec() < config_.input_timeout;
-      if (gathered == Gathered::kMayCome && patient && waiting_.size() <= kMaxWaiting) return;
+      availability = gather(front, inputs, missing);
+      const bool within_timeout = (ros::WallTime::now() - front.arrival).toSec() < config_.input_timeout;
+      if (availability == Availability::kPending && within_timeout && waiting_.size() <= kMaxWaiting) return;
       waiting_.pop_front();
-      if (gathered == Gathered::kAll) {
+      if (availability == Availability::kComplete) {
         segment(inputs);
       } else {
         drop(missing);
@@ -192,48 +192,48 @@ void DynamicSegmentationNodelet::processWaiting() {
   }
 }
 
-DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gatherDepths(WaitingFlow& waiting,
+DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gatherDepths(WaitingFlow& waiting,
                                                                               std::string& missing) {
   const ros::Time first = waiting.message->header.stamp;
   const ros::Time second = waiting.message->second_stamp;
   if (!waiting.depth) waiting.depth = depths_.find(first);
   if (!waiting.depth) {
-    missing = "nothing on '" + depth_input_->topic() + "' with the stamp of the flow's first image";
-    return depths_.isPast(first) ? Gathered::kNever : Gathered::kMayCome;
+    missing = "no depth on '" + depth_input_->topic() + "' at the time of the flow's first image";
+    return depths_.isPast(first) ? Availability::kImpossible : Availability::kPending;
   }
-  if (config_.score == "paper" && config_.lambda == 0.0) return Gathered::kAll;
+  if (config_.score == "paper" && config_.lambda == 0.0) return Availability::kComplete;
   if (!waiting.next_depth) waiting.next_depth = depths_.find(second);
-  if (waiting.next_depth || depths_.isPast(second)) return Gathered::kAll;
-  missing = "nothing on '" + depth_input_->topic() + "' with the stamp of the flow's second image";
+  if (waiting.next_depth || depths_.isPast(second)) return Availability::kComplete;
+  missing = "no depth on '" + depth_input_->topic() + "' at the time of the flow's second image";
   // The flow alone can tell as well.
-  const bool patient = (ros::WallTime::now() - waiting.arrival).toSec() < config_.input_timeout;
-  return patient && waiting_.size() <= kMaxWaiting ? Gathered::kMayCome : Gathered::kAll;
+  const bool within_timeout = (ros::WallTime::now() - waiting.arrival).toSec() < config_.input_timeout;
+  return within_timeout && waiting_.size() <= kMaxWaiting ? Availability::kPending : Availability::kComplete;
 }
 
-DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gather(WaitingFlow& waiting, Inputs& inputs,
+DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gather(WaitingFlow& waiting, Inputs& inputs,
                                                                         std::string& missing) {
   inputs.flow = waiting.message;
-  const Gathered depths = gatherDepths(waiting, missing);
-  if (depths != Gathered::kAll) return depths;
+  const Availability depths = gatherDepths(waiting, missing);
+  if (depths != Availability::kComplete) return depths;
   inputs.depth = waiting.depth;
   inputs.next_depth = waiting.next_depth;
   // It is sent just before its depth, so that it is there or lost.
   if (usesDepthUncertainty()) inputs.depth_std = depth_stds_.find(inputs.flow->header.stamp);
   if (!camera_) {
     missing = "nothing on '" + camera_input_->topic() + "' yet";
-    return Gathered::kMayCome;
+    return Availability::kPending;
   }
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
       extrinsics_->lookup(inputs.flow->header.frame_id, missing);
-  if (!T_base_from_camera) return Gathered::kMayCome;
-  const bool patient = (ros::WallTime::now() - waiting.arrival).toSec() <
+  if (!T_base_from_camera) return Availability::kPending;
+  const bool within_timeout = (ros::WallTime::now() - waiting.arrival).toSec() <
                            std::min(config_.rotation_timeout, config_.input_timeout) &&
                        waiting_.size() <= kMaxWaiting;
   const EgoMotion::Answer motion =
-      motion_->between(inputs.flow->header.stamp, inputs.flow->second_stamp, config_.max_twist_age, patient);
+      motion_->between(inputs.flow->header.stamp, inputs.flow->second_stamp, config_.max_twist_age, within_timeout);
   if (!motion.T_begin_from_end) {
     missing = "no motion of the vehicle from '" + twist_input_->topic() + "': " + motion.missing;
-    return Gathered::kMayCome;
+    return Availability::kPending;
   }
   inputs.without_rotation = motion.without_rotation;
   inputs.T_base_from_camera = *T_base_from_camera;
@@ -249,7 +249,7 @@ DynamicSegmentationNodelet::Gathered DynamicSegmentationNodelet::gather(WaitingF
   placeOnGrid(inputs);
   if (config_.radar_gain > 0.0)
     inputs.motion.dynamic_points = dynamicPoints(inputs.flow->header.stamp, *T_base_from_camera);
-  return Gathered::kAll;
+  return Availability::kComplete;
 }
 
 void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
@@ -266,9 +266,9 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
   const FlowField field = radar_dot::flowOf(flow);
   const cv::Size grid = field.flow.size();
   motion.flow = field.flow;
-  // The gap between flow there and back is noise to this score, and no reason to leave a pixel out.
-  if (config_.score == "uncertainty" && !field.closure.empty()) {
-    motion.flow_closure = field.closure;
+  // The forward-backward error is noise to this score, and no reason to leave a pixel out.
+  if (config_.score == "uncertainty" && !field.fb_error.empty()) {
+    motion.fb_error = field.fb_error;
   } else {
     motion.flow_valid = field.valid;
   }
@@ -312,7 +312,7 @@ void DynamicSegmentationNodelet::refine(Inputs& inputs) {
 const MotionResult& DynamicSegmentationNodelet::maskOf(Inputs& inputs) {
   std::optional<MotionInput> before;
   if (looksBack()) {
-    before = history_.pairBefore(inputs);
+    before = history_.previousPair(inputs);
     if (!before) ++without_past_since_report_;
   }
   if (remembers()) inputs.motion.belief = history_.beliefFor(inputs, config_.memory);

@@ -19,7 +19,7 @@
 
 namespace radar_dot {
 
-/// What moves by itself in the images: the paper's mask, from flow, depth and the vehicle's own motion.
+/// What moves independently in the images: the paper's mask, from flow, depth and the vehicle's own motion.
 ///
 /// A flow waits for the depth at the stamps of its two images, and for the rotation between them; messages
 /// belong together where their stamps are equal. The mask lies on the first image of the flow and carries its
@@ -40,21 +40,21 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   void onInit() override;
   void connect();
   void disconnect();
-  void followRadarGain();
-  void followHistory();
-  void followDepthUncertainty();
+  void updateRadarSubscription();
+  void updateBackwardSubscription();
+  void updateUncertaintySubscription();
   void setUpOutputs();
   void configure(const DynamicSegmentationConfig& config);
-  void forgetThePast() override;
+  void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
   void onFlow(const FlowConstPtr& flow);
-  void processWaiting();
-  enum class Gathered { kAll, kMayCome, kNever };
+  void processQueue();
+  enum class Availability { kComplete, kPending, kImpossible };
   /// What goes with a flow; what is missing is named in `missing`.
-  Gathered gather(WaitingFlow& waiting, Inputs& inputs, std::string& missing);
+  Availability gather(WaitingFlow& waiting, Inputs& inputs, std::string& missing);
   /// The same for the two depths.
-  Gathered gatherDepths(WaitingFlow& waiting, std::string& missing);
+  Availability gatherDepths(WaitingFlow& waiting, std::string& missing);
   /// @throws std::invalid_argument where grids do not go together
   void placeOnGrid(Inputs& inputs) const;
   std::vector<Eigen::Vector3f> dynamicPoints(const ros::Time& stamp,

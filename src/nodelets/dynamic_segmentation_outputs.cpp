@@ -53,7 +53,7 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
   const ros::WallTime now = ros::WallTime::now();
   const double without_mask = std::min((now - last_mask_).toSec(), (now - connected_since_).toSec());
   if (!connected()) {
-    status.summary(DiagnosticStatus::OK, "nobody wants masks");
+    status.summary(DiagnosticStatus::OK, "idle: no subscribers");
   } else if (dropped_since_report_ > 0) {
     status.summaryf(masks_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
                     "%zu flows without a mask: %s", dropped_since_report_, drop_reason_.c_str());

@@ -32,14 +32,14 @@ void EgoMotion::setUpRotation(ros::NodeHandle& handle, ros::NodeHandle& private_
   RotationSource::Callbacks callbacks;
   callbacks.arrival = [] {};
   callbacks.sample = [this] { changed_(); };
-  callbacks.anew = [] {};
+  callbacks.restarted = [] {};
   callbacks.warn = [this](const std::string& text) { warn_(text); };
   rotation_ = makeRotationSource(private_handle.param<std::string>("rotation_source", "radar"), handle,
                                  private_handle, extrinsics_, std::move(callbacks));
 }
 
 EgoMotion::Answer EgoMotion::between(const ros::Time& begin, const ros::Time& end, double max_hold,
-                                     bool patient) {
+                                     bool within_timeout) {
   Answer answer;
   std::optional<Eigen::Matrix3d> R_begin_from_end;
   if (rotation_) {
@@ -48,7 +48,7 @@ EgoMotion::Answer EgoMotion::between(const ros::Time& begin, const ros::Time& en
     answer.without_rotation = !at_begin || !at_end;
     if (!answer.without_rotation) {
       R_begin_from_end = (at_begin->rotation.conjugate() * at_end->rotation).toRotationMatrix();
-    } else if (patient) {
+    } else if (within_timeout) {
       answer.missing = "no rotation at the stamps of the images from " + rotation_->describe();
       return answer;
     }

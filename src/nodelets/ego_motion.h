@@ -45,8 +45,8 @@ class EgoMotion {
   };
   /// `end` may be the earlier one.
   /// @param max_hold  s that the latest twist is taken to hold
-  /// @param patient   true: without a rotation at both times there is no answer yet; false: the twists' own
-  Answer between(const ros::Time& begin, const ros::Time& end, double max_hold, bool patient);
+  /// @param within_timeout   true: without a rotation at both times there is no answer yet; false: the twists' own
+  Answer between(const ros::Time& begin, const ros::Time& end, double max_hold, bool within_timeout);
   /// Velocity of the vehicle at `time`, from the twists alone; none: see `missing`.
   std::optional<StampedVelocity> velocityAt(const ros::Time& time, double max_hold,
                                             std::string& missing) const;

@@ -19,10 +19,10 @@ namespace radar_dot {
 namespace {
 
 // A mount may arrive a moment after the first scans; only then is its absence worth a warning.
-constexpr double kMountPatience = 1.0;  // s
+constexpr double kMountTimeout = 1.0;  // s
 
 // A radar without data after this time has probably the wrong topic name.
-constexpr double kStartPatience = 5.0;  // s, wall time
+constexpr double kStartTimeout = 5.0;  // s, wall time
 
 // Frames that wait for their mount; more are names that vary from message to message.
 constexpr std::size_t kMaxMissingMounts = 100;
@@ -75,7 +75,7 @@ void EgoVelocityNodelet::onInit() {
         [this, i](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(i, cloud); });
   }
   silence_timer_ = handle.createWallTimer(
-      ros::WallDuration(kStartPatience), [this](const ros::WallTimerEvent&) { warnOfSilentRadars(); }, true);
+      ros::WallDuration(kStartTimeout), [this](const ros::WallTimerEvent&) { warnOfSilentRadars(); }, true);
 }
 
 void EgoVelocityNodelet::warnOfSilentRadars() {
@@ -166,8 +166,8 @@ void EgoVelocityNodelet::configureAtStart(EgoVelocityConfig& config) {
     parameter_error_ += (parameter_error_.empty() ? "" : "; ") + problem;
   }
   if (!can_estimate_) {
-    parameter_error_ += "; nothing is estimated until this is mended";
-    NODELET_ERROR("%s: nothing is estimated until this is mended", getName().c_str());
+    parameter_error_ += "; estimation disabled until the parameters are corrected";
+    NODELET_ERROR("%s: estimation disabled until the parameters are corrected", getName().c_str());
   }
   applyConfig(mended.valid ? config : EgoVelocityConfig::__getDefault__());
 }
@@ -235,14 +235,14 @@ void EgoVelocityNodelet::onCloud(std::size_t index, const sensor_msgs::PointClou
 void EgoVelocityNodelet::addScan(std::size_t index, const sensor_msgs::PointCloud2ConstPtr& cloud) {
   Radar& radar = *radars_[index];
   if (!can_estimate_) return;
-  if (clock_.wentBack(ros::Time::now())) forgetThePast(cloud->header.stamp);
+  if (clock_.wentBack(ros::Time::now())) clearHistory(cloud->header.stamp);
   const std::shared_ptr<const RadarReading> reading = read(radar, cloud);
   switch (radar.stamps.check(cloud->header.stamp)) {
     case StampGuard::Verdict::kGood: break;
     case StampGuard::Verdict::kStale:
-      throw std::invalid_argument("its stamp is not later than that of the cloud before");
+      throw std::invalid_argument("stamp not newer than the previous cloud's");
     case StampGuard::Verdict::kRestart:
-      forgetThePast(cloud->header.stamp);
+      clearHistory(cloud->header.stamp);
       radar.stamps.check(cloud->header.stamp);
       break;
   }
@@ -256,15 +256,15 @@ void EgoVelocityNodelet::addScan(std::size_t index, const sensor_msgs::PointClou
                  counts.total, radar.config.topic.c_str());
   }
 
-  // The guard let only later stamps through: the assembler neither refuses them nor starts anew.
+  // The guard let only later stamps through: the assembler neither rejects them nor resets.
   assembler_->add({index, cloud->header.stamp.toSec(), reading}, completed_);
   radar.monitor.scan(cloud->header.stamp, ros::Time::now(), cloud->header.frame_id, counts);
   for (const Sweep& sweep : completed_) processSweep(sweep);
   completed_.clear();
 }
 
-void EgoVelocityNodelet::forgetThePast(const ros::Time& stamp) {
-  NODELET_WARN("%s: time went back to %.3f s; starting anew", getName().c_str(), stamp.toSec());
+void EgoVelocityNodelet::clearHistory(const ros::Time& stamp) {
+  NODELET_WARN("%s: time jumped back to %.3f s; resetting", getName().c_str(), stamp.toSec());
   assembler_->reset();
   tracker_.reset();
   filter_.reset();
@@ -293,7 +293,7 @@ std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(co
       const ros::WallTime now = ros::WallTime::now();
       if (mount_missing_since_.size() > kMaxMissingMounts) mount_missing_since_.clear();
       const ros::WallTime since = mount_missing_since_.try_emplace(frame, now).first->second;
-      if ((now - since).toSec() > kMountPatience && throttle_.allow(radar.config.name, cause)) {
+      if ((now - since).toSec() > kMountTimeout && throttle_.allow(radar.config.name, cause)) {
         NODELET_WARN("%s: the scans on '%s' are skipped: %s", getName().c_str(), radar.config.topic.c_str(),
                      cause.c_str());
       }
@@ -359,7 +359,7 @@ void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, double time,
   const bool was_started = filter_.started();
   const VelocityFilter::Outcome outcome = filter_.update(time, result, sensorVelocities(scans, result));
   if (outcome == VelocityFilter::Outcome::kStarted && was_started && throttle_.allow("filter", "anew"))
-    NODELET_WARN("%s: the filter starts anew after a gap, or estimates against it", getName().c_str());
+    NODELET_WARN("%s: velocity filter reset: gap in the input, or repeated estimates outside its gate", getName().c_str());
   if (outcome == VelocityFilter::Outcome::kStale) return;
   twist_publisher_.publish(
       twistMessage(stamp, extrinsics_->baseFrame(), filteredResult(filter_.at(time), result)));

@@ -74,7 +74,7 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   void addScan(std::size_t radar, const sensor_msgs::PointCloud2ConstPtr& cloud);
   void refuse(Radar& radar, const std::string& cause);
   void warnOfSilentRadars();
-  void forgetThePast(const ros::Time& stamp);
+  void clearHistory(const ros::Time& stamp);
 
   void processSweep(const Sweep& sweep);
   std::vector<MountedScan> mountedScans(const Sweep& sweep, std::vector<RadarScan>& scans,

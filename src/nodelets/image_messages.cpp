@@ -153,7 +153,7 @@ FlowField flowOf(const Flow& message) {
                                 " px does not have the shape of its image of " + sizeText(image) + " px");
   }
   field.valid = companionOf(field.flow, message.valid, encodings::MONO8, "valid");
-  field.closure = companionOf(field.flow, message.closure, encodings::TYPE_32FC1, "closure");
+  field.fb_error = companionOf(field.flow, message.fb_error, encodings::TYPE_32FC1, "fb_error");
   return field;
 }
 
@@ -172,8 +172,8 @@ FlowPtr flowMessage(const std_msgs::Header& header, const ros::Time& second_stam
   cv_bridge::CvImage(header, encodings::TYPE_32FC2, field.flow).toImageMsg(message->flow);
   if (!field.valid.empty())
     cv_bridge::CvImage(header, encodings::MONO8, field.valid).toImageMsg(message->valid);
-  if (!field.closure.empty())
-    cv_bridge::CvImage(header, encodings::TYPE_32FC1, field.closure).toImageMsg(message->closure);
+  if (!field.fb_error.empty())
+    cv_bridge::CvImage(header, encodings::TYPE_32FC1, field.fb_error).toImageMsg(message->fb_error);
   return message;
 }
 

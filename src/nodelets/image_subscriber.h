@@ -12,10 +12,10 @@
 namespace radar_dot {
 
 /// A picture that is decoded or converted only when somebody asks for it.
-class LazyPicture {
+class LazyImage {
  public:
-  explicit LazyPicture(sensor_msgs::ImageConstPtr raw) : raw_(std::move(raw)) {}
-  explicit LazyPicture(sensor_msgs::CompressedImageConstPtr compressed)
+  explicit LazyImage(sensor_msgs::ImageConstPtr raw) : raw_(std::move(raw)) {}
+  explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed)
       : compressed_(std::move(compressed)) {}
 
   const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
@@ -45,16 +45,16 @@ class ImageSubscriber : public StreamNodelet {
     }
   }
   ros::Subscriber listenToImages(InputMonitor& input, std::uint32_t queue_size,
-                                 const std::function<void(LazyPicture)>& body) {
+                                 const std::function<void(LazyImage)>& body) {
     const auto transport = getPrivateNodeHandle().param<std::string>("image_transport", "raw");
     if (transport == "compressed") {
       return listen<sensor_msgs::CompressedImage>(
           input, "image/compressed", queue_size,
-          [body](const sensor_msgs::CompressedImageConstPtr& image) { body(LazyPicture(image)); });
+          [body](const sensor_msgs::CompressedImageConstPtr& image) { body(LazyImage(image)); });
     }
     return listen<sensor_msgs::Image>(
         input, "image", queue_size,
-        [body](const sensor_msgs::ImageConstPtr& image) { body(LazyPicture(image)); });
+        [body](const sensor_msgs::ImageConstPtr& image) { body(LazyImage(image)); });
   }
 };
 

@@ -19,7 +19,7 @@ bool InputMonitor::accept(const std_msgs::Header& header, const ros::Time& now) 
   checkHeader(header, now);
   const StampGuard::Verdict verdict = stamps_.check(header.stamp);
   if (verdict == StampGuard::Verdict::kStale) {
-    throw std::invalid_argument("its stamp is not later than that of the message before");
+    throw std::invalid_argument("stamp not newer than the previous message's");
   }
   stream_.tick(header.stamp, now);
   ++good_;
@@ -35,7 +35,7 @@ void InputMonitor::acceptUnordered(const std_msgs::Header& header, const ros::Ti
   latest_is_good_ = true;
 }
 
-void InputMonitor::acceptLasting(const ros::Time& now) {
+void InputMonitor::acceptLatched(const ros::Time& now) {
   stream_.tick(now, now);
   ++good_;
   latest_is_good_ = lasts_ = true;
@@ -60,7 +60,7 @@ void InputMonitor::reset() {
 
 void InputMonitor::report(const ros::Time& now, diagnostic_updater::DiagnosticStatusWrapper& status) {
   if (topic_.empty()) {
-    status.summary(DiagnosticStatus::OK, "not subscribed: nobody needs it now");
+    status.summary(DiagnosticStatus::OK, "not subscribed (unused)");
   } else {
     stream_.report(now, status);
     if (refused_ > 0) {

@@ -31,14 +31,14 @@ class InputMonitor {
   const std::string& topic() const noexcept { return topic_; }
   void setTopic(std::string topic) { topic_ = std::move(topic); }
 
-  /// Takes a message into the order. @return false when time started anew with it: everything from before is
+  /// Takes a message into the order. @return false when time restarted with it: everything from before is
   /// to be forgotten. @throws std::invalid_argument as checkHeader(), and for a stamp not after the one
   /// before.
   bool accept(const std_msgs::Header& header, const ros::Time& now);
   /// The same for messages that several sources send on one topic, in no order.
   void acceptUnordered(const std_msgs::Header& header, const ros::Time& now);
   /// What holds until the next one comes, as a calibration: any stamp, and silence is no error afterwards.
-  void acceptLasting(const ros::Time& now);
+  void acceptLatched(const ros::Time& now);
   /// The latest message cannot be used, whether it was accepted or not.
   void refuse(const std::string& cause);
   void reset();

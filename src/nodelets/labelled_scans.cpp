@@ -36,7 +36,7 @@ void LabelledScans::add(const sensor_msgs::PointCloud2& cloud, ReturnLabel label
   std::vector<CloudPoint> points = pointsWithResidual(cloud);
   const auto taken = taken_.find(frame);
   if (taken != taken_.end() && cloud.header.stamp <= taken->second)
-    throw std::invalid_argument("its stamp is not later than that of a scan that was used already");
+    throw std::invalid_argument("stamp not newer than that of a scan already used");
   const auto [entry, is_new] = waiting_.try_emplace({cloud.header.stamp, frame});
   LabelledScan& scan = entry->second;
   if (is_new) {
@@ -55,8 +55,8 @@ std::vector<LabelledScan> LabelledScans::take(double patience) {
   const ros::WallTime now = ros::WallTime::now();
   while (!waiting_.empty()) {
     LabelledScan& front = waiting_.begin()->second;
-    const bool patient = (now - front.arrival).toSec() < patience && waiting_.size() <= kMaxWaiting;
-    if (!front.complete() && patient) break;
+    const bool within_timeout = (now - front.arrival).toSec() < patience && waiting_.size() <= kMaxWaiting;
+    if (!front.complete() && within_timeout) break;
     ros::Time& latest = taken_[front.frame];
     if (front.stamp > latest) latest = front.stamp;
     ready.push_back(std::move(front));

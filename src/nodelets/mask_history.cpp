@@ -27,20 +27,20 @@ MaskHistory::Backward MaskHistory::backwardTo(const PairInputs& pair) const {
   // Where the grid was changed meanwhile, there is no past.
   const cv::Size grid = pair.motion.flow.size();
   if (field.flow.size() != grid || latest_->motion.flow.size() != grid) return {};
-  return {field.flow, field.closure};
+  return {field.flow, field.fb_error};
 }
 
-std::optional<MotionInput> MaskHistory::pairBefore(const PairInputs& pair) const {
+std::optional<MotionInput> MaskHistory::previousPair(const PairInputs& pair) const {
   const Backward backward = backwardTo(pair);
   if (backward.flow.empty()) return std::nullopt;
-  return seenWithTheImageBefore(pair.motion, latest_->motion, backward.flow, backward.closure);
+  return previousPairFromFirst(pair.motion, latest_->motion, backward.flow, backward.fb_error);
 }
 
 cv::Mat MaskHistory::beliefFor(const PairInputs& pair, double memory) const {
   if (!latest_ || log_odds_.size() != pair.motion.flow.size()) return {};
   const ros::Time stamp = pair.flow->header.stamp;
   const ros::Time stamp_before = latest_->flow->header.stamp;
-  // Flow that runs back in time leads from the first image of a pair to that of the pair before by itself.
+  // Flow that runs back in time leads from the first image of a pair to that of the previous pair by itself.
   const bool runs_back = pair.flow->second_stamp == stamp_before && stamp_before < stamp;
   const cv::Mat flow = runs_back ? pair.motion.flow : backwardTo(pair).flow;
   if (flow.empty()) return {};

@@ -32,16 +32,16 @@ class MaskHistory {
   /// The first image of a pair, seen together with the one before it: where the latest pair ended with it,
   /// and its flow back has come. None else.
   /// @throws std::invalid_argument where that flow does not have the form of a flow
-  std::optional<MotionInput> pairBefore(const PairInputs& pair) const;
+  std::optional<MotionInput> previousPair(const PairInputs& pair) const;
 
   /// What is believed of the pixels of its first image; empty where the latest mask does not reach it.
   /// @param memory  s, see forgetting
-  /// @throws std::invalid_argument as pairBefore
+  /// @throws std::invalid_argument as previousPair
   cv::Mat beliefFor(const PairInputs& pair, double memory) const;
 
  private:
   struct Backward {
-    cv::Mat flow, closure;
+    cv::Mat flow, fb_error;
   };
   Backward backwardTo(const PairInputs& pair) const;
 

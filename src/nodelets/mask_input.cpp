@@ -50,7 +50,7 @@ void MaskInput::subscribe() {
   camera_subscriber_ = handle_.subscribe<sensor_msgs::CameraInfo>(
       "camera_info", 2, [this](const sensor_msgs::CameraInfoConstPtr& camera) {
         guard(camera_monitor_, [&] {
-          camera_monitor_.acceptLasting(ros::Time::now());
+          camera_monitor_.acceptLatched(ros::Time::now());
           cameraOf(*camera);
           camera_ = camera;
         });
@@ -128,7 +128,7 @@ std::vector<std::uint8_t> MaskInput::markedBy(const std::vector<DopplerReturn>& 
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
       extrinsics_.lookup(mask_->header.frame_id, reason);
   if (!T_base_from_camera) return {};
-  // Returns that move by themselves have moved on since; the limit on the age keeps that small.
+  // Returns that move independently have moved on since; the limit on the age keeps that small.
   const std::optional<Eigen::Isometry3d> T_mask_from_scan =
       velocities_.motion(mask_->header.stamp.toSec(), stamp.toSec(), max_age_, reason);
   if (!T_mask_from_scan) return {};

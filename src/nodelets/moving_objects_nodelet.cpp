@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kWaitingPeriod = 0.05;  // s, how often waiting scans and masks are looked at
 constexpr double kMaxSilence = 0.15;     // s of scans without a message
-constexpr double kStartPatience = 1.0;   // s, until odometry and velocity are there at the start
+constexpr double kStartTimeout = 1.0;   // s, until odometry and velocity are there at the start
 constexpr std::uint32_t kOdometryQueue = 20;
 // The camera's number among the radars of the tracker.
 constexpr std::size_t kMaskSource = std::numeric_limits<std::size_t>::max();
@@ -75,10 +75,10 @@ void MovingObjectsNodelet::connect() {
   dynamic_subscriber_ = listenToLabel(*dynamic_input_, "radar/dynamic", ReturnLabel::kDynamic);
   waiting_timer_ =
       getNodeHandle().createWallTimer(ros::WallDuration(kWaitingPeriod), [this](const ros::WallTimerEvent&) {
-        processWaiting();
+        processQueue();
         processMasks();
       });
-  followUseMask();
+  updateMaskSubscriptions();
 }
 
 void MovingObjectsNodelet::disconnect() {
@@ -87,11 +87,11 @@ void MovingObjectsNodelet::disconnect() {
   stop(*dynamic_input_, dynamic_subscriber_);
   stop(*twist_input_, twist_subscriber_);
   stop(*odometry_input_, odometry_subscriber_);
-  followUseMask();
-  forgetThePast();
+  updateMaskSubscriptions();
+  clearHistory();
 }
 
-void MovingObjectsNodelet::followUseMask() {
+void MovingObjectsNodelet::updateMaskSubscriptions() {
   const bool listening = static_cast<bool>(mask_subscriber_);
   const bool wanted = connected() && config_.use_mask;
   if (wanted == listening) return;
@@ -129,10 +129,10 @@ void MovingObjectsNodelet::followUseMask() {
 void MovingObjectsNodelet::configure(const MovingObjectsConfig& config) {
   tracker_.configure(objectTrackerParams(config));
   config_ = config;
-  followUseMask();
+  updateMaskSubscriptions();
 }
 
-void MovingObjectsNodelet::forgetThePast() {
+void MovingObjectsNodelet::clearHistory() {
   scans_.clear();
   masks_.clear();
   motion_->forget();
@@ -152,7 +152,7 @@ void MovingObjectsNodelet::deleteMarkers() {
 
 void MovingObjectsNodelet::drop(const std::string& reason) {
   // The first scans come before odometry and velocity.
-  if ((ros::WallTime::now() - first_scan_).toSec() < kStartPatience) return;
+  if ((ros::WallTime::now() - first_scan_).toSec() < kStartTimeout) return;
   ++dropped_;
   ++dropped_since_report_;
   drop_reason_ = reason;
@@ -162,7 +162,7 @@ void MovingObjectsNodelet::drop(const std::string& reason) {
 void MovingObjectsNodelet::onCloud(const sensor_msgs::PointCloud2& cloud, ReturnLabel label) {
   scans_.add(cloud, label);
   if (first_scan_.isZero()) first_scan_ = ros::WallTime::now();
-  processWaiting();
+  processQueue();
 }
 
 void MovingObjectsNodelet::onOdometry(const nav_msgs::Odometry& odometry) {
@@ -174,7 +174,7 @@ void MovingObjectsNodelet::onOdometry(const nav_msgs::Odometry& odometry) {
   if (odometry.header.frame_id != odom_frame_) {
     if (!odom_frame_.empty()) {
       warn("odometry", "the frame of '" + odometry_input_->topic() + "' is '" + odometry.header.frame_id +
-                           "' now: all objects start anew");
+                           "' now: all objects restart");
       deleteMarkers();
     }
     poses_.clear();
@@ -199,7 +199,7 @@ std::optional<Eigen::Isometry3d> MovingObjectsNodelet::poseAt(const ros::Time& t
     return std::nullopt;
   }
   const EgoMotion::Answer motion =
-      motion_->between(ros::Time(*latest), time, config_.max_pose_age, /*patient=*/false);
+      motion_->between(ros::Time(*latest), time, config_.max_pose_age, /*within_timeout=*/false);
   if (!motion.T_begin_from_end) {
     missing = "no motion from '" + twist_input_->topic() + "': " + motion.missing;
     return std::nullopt;
@@ -207,7 +207,7 @@ std::optional<Eigen::Isometry3d> MovingObjectsNodelet::poseAt(const ros::Time& t
   return isometryOfSample(*poses_.at(*latest)) * *motion.T_begin_from_end;
 }
 
-void MovingObjectsNodelet::processWaiting() {
+void MovingObjectsNodelet::processQueue() {
   const ros::WallTime start = ros::WallTime::now();
   const std::vector<LabelledScan> ready = scans_.take(config_.pairing_timeout);
   for (const LabelledScan& scan : ready) {
@@ -321,7 +321,7 @@ void MovingObjectsNodelet::publish(const ros::Time& stamp) {
 void MovingObjectsNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   if (!connected()) {
-    status.summary(DiagnosticStatus::OK, "nobody wants objects");
+    status.summary(DiagnosticStatus::OK, "idle: no subscribers");
   } else if (dropped_since_report_ > 0) {
     status.summaryf(scans_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
                     "%zu scans or masks left out: %s", dropped_since_report_, drop_reason_.c_str());

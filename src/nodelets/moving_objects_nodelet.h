@@ -21,7 +21,7 @@
 
 namespace radar_dot {
 
-/// Objects that move by themselves, with position and velocity, followed over the scans of all radars.
+/// Objects that move independently, with position and velocity, followed over the scans of all radars.
 ///
 /// Takes the returns as EgoVelocity has labelled them, each scan at its own stamp, and the pose of the
 /// vehicle from the odometry. With use_mask the regions of dynamic/mask are a further sensor, at the stamp of
@@ -32,14 +32,14 @@ class MovingObjectsNodelet : public StreamNodelet {
   void setUpInputs();
   void connect();
   void disconnect();
-  void followUseMask();
+  void updateMaskSubscriptions();
   void configure(const MovingObjectsConfig& config);
-  void forgetThePast() override;
+  void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
   void onCloud(const sensor_msgs::PointCloud2& cloud, ReturnLabel label);
   void onOdometry(const nav_msgs::Odometry& odometry);
-  void processWaiting();
+  void processQueue();
   void processMasks();
   /// @return false, with `reason`, where the scan is of no use
   bool useScan(const LabelledScan& scan, std::string& reason);

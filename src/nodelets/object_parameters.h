@@ -16,7 +16,7 @@ DetectionParams detectionParams(const MovingObjectsConfig& config);
 ObjectTrackerParams objectTrackerParams(const MovingObjectsConfig& config);
 MaskRegionParams maskRegionParams(const MovingObjectsConfig& config);
 
-/// Of all of them. @throws std::invalid_argument naming the parameter that makes no sense
+/// Of all of them. @throws std::invalid_argument naming the invalid parameter
 void validate(const MovingObjectsConfig& config);
 
 }  // namespace radar_dot

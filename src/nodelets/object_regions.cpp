@@ -89,9 +89,9 @@ std::optional<MaskMessages> MaskMatcher::take(double patience, std::string& miss
     const MaskMessages found{front.mask, depths_.find(stamp), expected_flows_.find(stamp),
                              flows_.find(stamp)};
     const bool all = found.depth && found.flow && found.expected_flow;
-    const bool patient =
+    const bool within_timeout =
         (ros::WallTime::now() - front.arrival).toSec() < patience && waiting_.size() <= kMaxWaiting;
-    if (!all && patient) return std::nullopt;
+    if (!all && within_timeout) return std::nullopt;
     waiting_.pop_front();
     if (all) return found;
     missing = std::string("no ") +

@@ -68,10 +68,10 @@ void OdometryNodelet::setUpRotationSource() {
   RotationSource::Callbacks callbacks;
   callbacks.sample = [this] {
     publishSourceTf();
-    processPending();
+    processQueue();
   };
-  callbacks.arrival = [this] { followClock(); };
-  callbacks.anew = [this] { R_odom_from_source_.reset(); };
+  callbacks.arrival = [this] { checkClock(); };
+  callbacks.restarted = [this] { R_odom_from_source_.reset(); };
   callbacks.warn = [this](const std::string& text) { warn(text); };
   try {
     rotation_source_ =
@@ -90,7 +90,7 @@ void OdometryNodelet::setUpRotationSource() {
     pending_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kPendingPeriod),
                                                      [this](const ros::WallTimerEvent&) {
                                                        try {
-                                                         processPending();
+                                                         processQueue();
                                                        } catch (const std::exception& error) {
                                                          warn(std::string("twist left out: ") + error.what());
                                                        }
@@ -145,14 +145,14 @@ void OdometryNodelet::warn(const std::string& text) {
   if (throttle_.allow({}, text)) NODELET_WARN("%s: %s", getName().c_str(), text.c_str());
 }
 
-void OdometryNodelet::followClock() {
+void OdometryNodelet::checkClock() {
   const ros::Time now = ros::Time::now();
   if (!clock_.wentBack(now)) return;
-  NODELET_WARN("%s: the clock went back to %.3f s; starting anew", getName().c_str(), now.toSec());
-  forgetThePast();
+  NODELET_WARN("%s: time jumped back to %.3f s; resetting", getName().c_str(), now.toSec());
+  clearHistory();
 }
 
-void OdometryNodelet::forgetThePast() {
+void OdometryNodelet::clearHistory() {
   pending_.clear();
   twist_stamps_.reset();
   integrator_.reset();
@@ -181,35 +181,35 @@ void OdometryNodelet::onTwist(const geometry_msgs::TwistWithCovarianceStampedCon
 }
 
 void OdometryNodelet::takeTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) {
-  followClock();
+  checkClock();
   const std::string defect = defectOf(*twist);
   if (!defect.empty()) throw std::invalid_argument(defect);
   switch (twist_stamps_.check(twist->header.stamp)) {
     case StampGuard::Verdict::kGood: break;
     case StampGuard::Verdict::kStale:
-      throw std::invalid_argument("its stamp is not later than that of the twist before");
+      throw std::invalid_argument("stamp not newer than the previous twist's");
     case StampGuard::Verdict::kRestart:
-      NODELET_WARN("%s: the twists went back to %.3f s; starting anew", getName().c_str(),
+      NODELET_WARN("%s: the stamps of the twists jumped back to %.3f s; resetting", getName().c_str(),
                    twist->header.stamp.toSec());
-      forgetThePast();
+      clearHistory();
       twist_stamps_.check(twist->header.stamp);
       break;
   }
   const ros::Time now = ros::Time::now();
   twist_monitor_->tick(twist->header.stamp, now);
   pending_.push_back({twist, now});
-  processPending();
+  processQueue();
 }
 
-void OdometryNodelet::processPending() {
+void OdometryNodelet::processQueue() {
   const ros::Time now = ros::Time::now();
   while (!pending_.empty()) {
     const geometry_msgs::TwistWithCovarianceStampedConstPtr twist = pending_.front().message;
     std::optional<PoseSample> pose;
     if (rotation_source_) {
       pose = rotation_source_->at(twist->header.stamp);
-      const bool patient = now.toSec() - pending_.front().arrival.toSec() <= config_.rotation_timeout;
-      if (!pose && patient && pending_.size() <= kMaxPending) return;
+      const bool within_timeout = now.toSec() - pending_.front().arrival.toSec() <= config_.rotation_timeout;
+      if (!pose && within_timeout && pending_.size() <= kMaxPending) return;
       if (!pose) {
         ++without_rotation_;
         warn("no rotation at the stamp of a twist from " + rotation_source_->describe());

@@ -52,7 +52,7 @@ class OdometryNodelet : public nodelet::Nodelet {
   void onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist);
   /// Why the twist cannot be used; empty when it can.
   std::string defectOf(const geometry_msgs::TwistWithCovarianceStamped& twist) const;
-  void processPending();
+  void processQueue();
   void integrate(const geometry_msgs::TwistWithCovarianceStamped& twist,
                  const std::optional<PoseSample>& pose);
   bool start(const std::optional<PoseSample>& pose);
@@ -63,8 +63,8 @@ class OdometryNodelet : public nodelet::Nodelet {
   void publishSourceTf();
   void bridgeGap(double gap, double speed);
   /// Forgets the past when the clock went back.
-  void followClock();
-  void forgetThePast();
+  void checkClock();
+  void clearHistory();
   void warn(const std::string& text);
 
   void publish(const geometry_msgs::TwistWithCovarianceStamped& twist);
@@ -87,7 +87,7 @@ class OdometryNodelet : public nodelet::Nodelet {
   VelocityIntegrator integrator_;
   bool started_ = false;
   std::optional<Eigen::Quaterniond> R_odom_from_source_;
-  // What the integrator had gathered before it was restarted at a gap.
+  // What the integrator had availability before it was restarted at a gap.
   double distance_before_gap_ = 0.0;
   Eigen::Matrix<double, 6, 6> covariance_before_gap_ = Eigen::Matrix<double, 6, 6>::Zero();
   nav_msgs::Path path_;

@@ -30,7 +30,7 @@ void OpticalFlowNodelet::onInit() {
       getPrivateNodeHandle().param<std::string>("base_frame", "base_link"), handle);
   // Without a source of rotation: its latest sample comes later than the image, and flow would wait for it.
   motion_ = std::make_unique<EgoMotion>(
-      *extrinsics_, [this] { lookAtWaiting(kNext); },
+      *extrinsics_, [this] { scheduleQueue(kNext); },
       [this](const std::string& text) { warn("rotation", text); }, true);
   image_ = &addInput("image");
   depth_input_ = &addInput("depth");
@@ -53,7 +53,7 @@ void OpticalFlowNodelet::onInit() {
   checkTransport();
   compute_timer_ = handle.createWallTimer(
       ros::WallDuration(kNext),
-      [this](const ros::WallTimerEvent&) { guard(*image_, [this] { processWaiting(); }); }, true, false);
+      [this](const ros::WallTimerEvent&) { guard(*image_, [this] { processQueue(); }); }, true, false);
   connectWhile(
       [this] { return publisher_.getNumSubscribers() + backward_publisher_.getNumSubscribers() > 0; },
       [this] { connect(); }, [this] { disconnect(); });
@@ -64,10 +64,10 @@ void OpticalFlowNodelet::configure(const OpticalFlowConfig& config) {
   flow_ = makeOpticalFlow(opticalFlowParams(config));
   checked_flow_.reset();
   waiting_.reset();
-  followInitialisation();
+  updateInitialFlowSubscriptions();
 }
 
-void OpticalFlowNodelet::followInitialisation() {
+void OpticalFlowNodelet::updateInitialFlowSubscriptions() {
   const bool listening = static_cast<bool>(depth_subscriber_);
   const bool wanted = connected() && config_.initialisation == "expected";
   if (wanted && !listening) listenForExpectedFlow();
@@ -77,21 +77,21 @@ void OpticalFlowNodelet::followInitialisation() {
 void OpticalFlowNodelet::connect() {
   last_flow_ = ros::WallTime::now();
   image_subscriber_ =
-      listenToImages(*image_, kImageQueue, [this](LazyPicture picture) { onImage(std::move(picture)); });
-  followInitialisation();
+      listenToImages(*image_, kImageQueue, [this](LazyImage picture) { onImage(std::move(picture)); });
+  updateInitialFlowSubscriptions();
 }
 
 void OpticalFlowNodelet::disconnect() {
   stop(*image_, image_subscriber_);
-  followInitialisation();
-  forgetThePast();
+  updateInitialFlowSubscriptions();
+  clearHistory();
 }
 
 void OpticalFlowNodelet::listenForExpectedFlow() {
   depth_subscriber_ = listen<sensor_msgs::Image>(*depth_input_, "depth", kDepthQueue,
                                                  [this](const sensor_msgs::ImageConstPtr& depth) {
                                                    depths_.add(depth);
-                                                   lookAtWaiting(kNext);
+                                                   scheduleQueue(kNext);
                                                  });
   camera_subscriber_ = listenToCamera(*camera_input_, camera_);
   twist_subscriber_ = listenToTwists(*twist_input_, *motion_);
@@ -105,7 +105,7 @@ void OpticalFlowNodelet::stopListeningForExpectedFlow() {
   motion_->forget();
 }
 
-void OpticalFlowNodelet::forgetThePast() {
+void OpticalFlowNodelet::clearHistory() {
   previous_.reset();
   waiting_.reset();
   depths_.clear();
@@ -113,9 +113,9 @@ void OpticalFlowNodelet::forgetThePast() {
   flow_->reset();
 }
 
-void OpticalFlowNodelet::onImage(LazyPicture picture) {
-  const auto current = std::make_shared<LazyPicture>(std::move(picture));
-  const SharedPicture before = previous_;
+void OpticalFlowNodelet::onImage(LazyImage picture) {
+  const auto current = std::make_shared<LazyImage>(std::move(picture));
+  const SharedImage before = previous_;
   if (!before) {
     previous_ = current;
     return;
@@ -136,10 +136,10 @@ void OpticalFlowNodelet::onImage(LazyPicture picture) {
   if (waiting_) ++replaced_;
   const bool forward = config_.direction == "forward";
   waiting_ = Pair{forward ? before : current, forward ? current : before, since};
-  lookAtWaiting(kNext);
+  scheduleQueue(kNext);
 }
 
-void OpticalFlowNodelet::lookAtWaiting(double delay) {
+void OpticalFlowNodelet::scheduleQueue(double delay) {
   if (!waiting_) return;
   // Its callback lines up behind what is in the queue: images that wait there already make a later pair, and
   // that is the one to work on.
@@ -148,7 +148,7 @@ void OpticalFlowNodelet::lookAtWaiting(double delay) {
   compute_timer_.start();
 }
 
-cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool patient, std::string& missing) {
+cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool within_timeout, std::string& missing) {
   const std_msgs::Header& first = pair.first->header();
   const sensor_msgs::ImageConstPtr depth_message = depths_.find(first.stamp);
   if (!camera_) {
@@ -162,7 +162,7 @@ cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool patient, std::
   const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(first.frame_id, missing);
   if (!T_base_from_camera) return {};
   const EgoMotion::Answer motion =
-      motion_->between(first.stamp, pair.second->header().stamp, kTwistHold, patient);
+      motion_->between(first.stamp, pair.second->header().stamp, kTwistHold, within_timeout);
   if (!motion.T_begin_from_end) {
     missing = motion.missing;
     return {};
@@ -177,27 +177,27 @@ cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool patient, std::
                       staticPointMotion(*T_base_from_camera, *motion.T_begin_from_end), depth);
 }
 
-void OpticalFlowNodelet::processWaiting() {
+void OpticalFlowNodelet::processQueue() {
   if (!waiting_) return;
   const Pair pair = *waiting_;
   cv::Mat expected;
   if (config_.initialisation == "expected") {
-    const bool patient = (ros::WallTime::now() - pair.arrival).toSec() < config_.expected_timeout;
+    const bool within_timeout = (ros::WallTime::now() - pair.arrival).toSec() < config_.expected_timeout;
     std::string missing;
-    bool may_come = patient && !depths_.isPast(pair.first->header().stamp);
+    bool may_come = within_timeout && !depths_.isPast(pair.first->header().stamp);
     try {
-      expected = expectedFlowOf(pair, patient, missing);
+      expected = expectedFlowOf(pair, within_timeout, missing);
     } catch (const std::exception& error) {
       missing = error.what();
       may_come = false;
     }
     if (expected.empty() && may_come) {
-      lookAtWaiting(kWaitingPeriod);
+      scheduleQueue(kWaitingPeriod);
       return;
     }
     if (expected.empty()) {
       ++without_start_;
-      warn("expected", "flow starts from nothing: " + missing);
+      warn("expected", "no initial flow: " + missing);
     }
   }
   waiting_.reset();
@@ -227,7 +227,7 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   using diagnostic_msgs::DiagnosticStatus;
   const double without_flow = (ros::WallTime::now() - last_flow_).toSec();
   if (!connected()) {
-    status.summary(DiagnosticStatus::OK, "nobody wants flow");
+    status.summary(DiagnosticStatus::OK, "idle: no subscribers");
   } else if (without_flow > silentAfter() + config_.pair_interval) {
     status.summaryf(DiagnosticStatus::ERROR, "no flow for %.1f s", without_flow);
     if (interval_ > config_.max_pair_gap) {
@@ -236,7 +236,7 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
                            config_.max_pair_gap);
     }
   } else if (without_start_ > 0) {
-    status.summaryf(DiagnosticStatus::WARN, "%zu pairs started from nothing", without_start_);
+    status.summaryf(DiagnosticStatus::WARN, "%zu pairs without an initial flow", without_start_);
   } else {
     status.summary(DiagnosticStatus::OK, "computing");
   }

@@ -19,10 +19,10 @@ namespace radar_dot {
 /// Only the latest pair is worked on: a slower machine gets pairs that lie farther apart, not later ones.
 class OpticalFlowNodelet : public ImageSubscriber {
  private:
-  using SharedPicture = std::shared_ptr<LazyPicture>;
+  using SharedImage = std::shared_ptr<LazyImage>;
   /// In the order of the flow: it lies on the grid of `first`.
   struct Pair {
-    SharedPicture first, second;
+    SharedImage first, second;
     ros::WallTime arrival;
   };
 
@@ -31,25 +31,25 @@ class OpticalFlowNodelet : public ImageSubscriber {
   void connect();
   void disconnect();
   /// Listens to what initialisation "expected" needs, or no longer.
-  void followInitialisation();
+  void updateInitialFlowSubscriptions();
   void listenForExpectedFlow();
   void stopListeningForExpectedFlow();
-  void forgetThePast() override;
+  void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
-  void onImage(LazyPicture picture);
+  void onImage(LazyImage picture);
   /// Has the waiting pair looked at, `delay` s from now.
-  void lookAtWaiting(double delay);
+  void scheduleQueue(double delay);
   /// Computes the waiting pair, when what it starts from is there or has been waited for long enough.
-  void processWaiting();
+  void processQueue();
   /// Flow of a static world; empty, with the reason in `missing`, when something is not there (yet).
-  cv::Mat expectedFlowOf(const Pair& pair, bool patient, std::string& missing);
+  cv::Mat expectedFlowOf(const Pair& pair, bool within_timeout, std::string& missing);
   void compute(const Pair& pair, const cv::Mat& expected);
 
   OpticalFlowConfig config_ = OpticalFlowConfig::__getDefault__();
   std::unique_ptr<OpticalFlow> flow_;
   std::unique_ptr<OpticalFlow> checked_flow_;  // until it is in use: its network need not be loaded twice
-  SharedPicture previous_;
+  SharedImage previous_;
   std::optional<Pair> waiting_;
 
   // For initialisation "expected".

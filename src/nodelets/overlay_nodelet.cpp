@@ -12,7 +12,7 @@ namespace radar_dot {
 namespace {
 
 constexpr double kPeriod = 0.05;        // s, how often subscribers and waiting masks are looked at
-constexpr double kPatience = 0.3;       // s that a mask waits for what belongs to it
+constexpr double kInputTimeout = 0.3;       // s that a mask waits for what belongs to it
 constexpr std::size_t kMaxWaiting = 4;  // masks
 constexpr double kKept = 2.0;           // s of images: as long as the other inputs are kept
 constexpr std::size_t kMaxKept = 40;    // images; raw ones are large
@@ -54,12 +54,12 @@ void OverlayNodelet::onInit() {
   server_ = serve<OverlayConfig>([](const OverlayConfig&) {},
                                  [this](const OverlayConfig& config) { config_ = config; });
   timer_ = handle.createWallTimer(ros::WallDuration(kPeriod), [this](const ros::WallTimerEvent&) {
-    followSubscribers();
-    guard(*mask_input_, [this] { processWaiting(); });
+    updateSubscriptions();
+    guard(*mask_input_, [this] { processQueue(); });
   });
 }
 
-void OverlayNodelet::followSubscribers() {
+void OverlayNodelet::updateSubscriptions() {
   const bool wanted = maskWanted() || panelsWanted();
   if (wanted == listening_ && panelsWanted() == listening_for_panels_) return;
   disconnect();
@@ -73,11 +73,11 @@ void OverlayNodelet::connect() {
   const auto keep = [this](StampCache<Image>& cache) {
     return [this, &cache](const sensor_msgs::ImageConstPtr& message) {
       cache.add(message);
-      processWaiting();
+      processQueue();
     };
   };
   subscribers_.push_back(
-      listenToImages(*image_, 3, [this](LazyPicture picture) { keepImage(std::move(picture)); }));
+      listenToImages(*image_, 3, [this](LazyImage picture) { keepImage(std::move(picture)); }));
   subscribers_.push_back(listen<Image>(*mask_input_, "dynamic/mask", 3,
                                        [this](const sensor_msgs::ImageConstPtr& mask) { onMask(mask); }));
   subscribers_.push_back(listen<Image>(*valid_input_, "dynamic/valid", 3, keep(valids_)));
@@ -86,7 +86,7 @@ void OverlayNodelet::connect() {
   subscribers_.push_back(listen<Image>(*expected_input_, "dynamic/expected_flow", 3, keep(expected_flows_)));
   subscribers_.push_back(listen<Flow>(*flow_input_, "flow", 3, [this](const FlowConstPtr& flow) {
     flows_.add(flow);
-    processWaiting();
+    processQueue();
   }));
   subscribers_.push_back(listenToCamera(*camera_input_, camera_));
   subscribers_.push_back(listenToTwists(*twist_input_, *motion_));
@@ -101,10 +101,10 @@ void OverlayNodelet::disconnect() {
     input->setTopic({});
     input->reset();
   }
-  forgetThePast();
+  clearHistory();
 }
 
-void OverlayNodelet::forgetThePast() {
+void OverlayNodelet::clearHistory() {
   waiting_.clear();
   images_.clear();
   for (StampCache<sensor_msgs::Image>* cache : {&valids_, &depths_, &expected_flows_}) cache->clear();
@@ -114,11 +114,11 @@ void OverlayNodelet::forgetThePast() {
   motion_->forget();
 }
 
-void OverlayNodelet::keepImage(LazyPicture picture) {
+void OverlayNodelet::keepImage(LazyImage picture) {
   const ros::Time stamp = picture.header().stamp;
-  images_.push_back({stamp, std::make_shared<LazyPicture>(std::move(picture))});
+  images_.push_back({stamp, std::make_shared<LazyImage>(std::move(picture))});
   while (images_.size() > kMaxKept || (stamp - images_.front().stamp).toSec() > kKept) images_.pop_front();
-  processWaiting();
+  processQueue();
 }
 
 void OverlayNodelet::onMask(const sensor_msgs::ImageConstPtr& mask) {
@@ -126,12 +126,12 @@ void OverlayNodelet::onMask(const sensor_msgs::ImageConstPtr& mask) {
   if (config_.max_rate > 0.0 && (now - last_drawn_).toSec() < 1.0 / config_.max_rate) return;
   last_drawn_ = now;
   waiting_.push_back({mask, now});
-  processWaiting();
+  processQueue();
 }
 
 OverlayNodelet::Parts OverlayNodelet::partsAt(const ros::Time& stamp) const {
   Parts parts;
-  for (const KeptPicture& kept : images_)
+  for (const KeptImage& kept : images_)
     if (kept.stamp == stamp) parts.image = kept.picture;
   parts.valid = valids_.find(stamp);
   if (!listening_for_panels_) return parts;
@@ -155,13 +155,13 @@ std::string OverlayNodelet::missingOf(const Parts& parts) const {
   return missing;
 }
 
-void OverlayNodelet::processWaiting() {
+void OverlayNodelet::processQueue() {
   while (!waiting_.empty()) {
     const WaitingMask mask = waiting_.front();
     const Parts parts = partsAt(mask.message->header.stamp);
     const std::string missing = missingOf(parts);
-    const bool patient = (ros::WallTime::now() - mask.arrival).toSec() < kPatience;
-    if (!missing.empty() && patient && waiting_.size() <= kMaxWaiting) return;
+    const bool within_timeout = (ros::WallTime::now() - mask.arrival).toSec() < kInputTimeout;
+    if (!missing.empty() && within_timeout && waiting_.size() <= kMaxWaiting) return;
     waiting_.pop_front();
     if (!missing.empty()) {
       ++incomplete_since_report_;
@@ -226,7 +226,7 @@ void OverlayNodelet::draw(const sensor_msgs::ImageConstPtr& message, const Parts
 void OverlayNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   if (!listening_) {
-    status.summary(DiagnosticStatus::OK, "nobody looks");
+    status.summary(DiagnosticStatus::OK, "idle: no subscribers");
   } else if (incomplete_since_report_ > 0) {
     status.summary(DiagnosticStatus::WARN,
                    "incomplete pictures: nothing with the stamp of the mask on " + missing_);

@@ -19,7 +19,7 @@ namespace radar_dot {
 
 /// Pictures for people: the mask over the image, and the paper's six panels.
 ///
-/// Listens to its inputs only while somebody looks at a picture. A mask waits for what belongs to its stamp;
+/// Listens to its inputs only while a picture has subscribers. A mask waits for what belongs to its stamp;
 /// what has not come in time is missing in the picture.
 class OverlayNodelet : public ImageSubscriber {
  private:
@@ -29,28 +29,28 @@ class OverlayNodelet : public ImageSubscriber {
   };
   /// What belongs to one stamp.
   struct Parts {
-    std::shared_ptr<LazyPicture> image;
+    std::shared_ptr<LazyImage> image;
     sensor_msgs::ImageConstPtr valid, depth, expected_flow;
     FlowConstPtr flow;
   };
   /// A picture found again by its stamp.
-  struct KeptPicture {
+  struct KeptImage {
     ros::Time stamp;
-    std::shared_ptr<LazyPicture> picture;
+    std::shared_ptr<LazyImage> picture;
   };
 
   void onInit() override;
   void connect();
   void disconnect();
-  void followSubscribers();
+  void updateSubscriptions();
   bool maskWanted() const { return mask_publisher_.getNumSubscribers() > 0; }
   bool panelsWanted() const { return panels_publisher_.getNumSubscribers() > 0; }
-  void forgetThePast() override;
+  void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
-  void keepImage(LazyPicture picture);
+  void keepImage(LazyImage picture);
   void onMask(const sensor_msgs::ImageConstPtr& mask);
-  void processWaiting();
+  void processQueue();
   Parts partsAt(const ros::Time& stamp) const;
   std::string missingOf(const Parts& parts) const;
   void draw(const sensor_msgs::ImageConstPtr& mask, const Parts& parts);
@@ -60,7 +60,7 @@ class OverlayNodelet : public ImageSubscriber {
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> static_returns_, dynamic_returns_;
-  std::deque<KeptPicture> images_;
+  std::deque<KeptImage> images_;
   StampCache<sensor_msgs::Image> valids_, depths_, expected_flows_;
   StampCache<Flow> flows_;
   sensor_msgs::CameraInfoConstPtr camera_;

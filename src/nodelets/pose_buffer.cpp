@@ -47,12 +47,12 @@ std::optional<double> PoseBuffer::latest() const {
 }
 
 bool YawIntegrator::add(double time, double yaw_rate) {
-  const bool anew = !started_ || time - time_ > max_gap_;
-  yaw_ = anew ? 0.0 : yaw_ + 0.5 * (yaw_rate_ + yaw_rate) * (time - time_);
+  const bool restarted = !started_ || time - time_ > max_gap_;
+  yaw_ = restarted ? 0.0 : yaw_ + 0.5 * (yaw_rate_ + yaw_rate) * (time - time_);
   started_ = true;
   time_ = time;
   yaw_rate_ = yaw_rate;
-  return anew;
+  return restarted;
 }
 
 void YawIntegrator::reset() {

@@ -49,11 +49,11 @@ class PoseBuffer {
 /// Heading from the yaw rate of a gyro, by the trapezoidal rule; starts at zero.
 class YawIntegrator {
  public:
-  /// @param max_gap  s; across a longer gap nothing is integrated and the heading starts anew
+  /// @param max_gap  s; across a longer gap nothing is integrated and the heading restarts
   explicit YawIntegrator(double max_gap = 0.5) : max_gap_(max_gap) {}
 
   /// Adds a yaw rate (rad/s) measured at `time` (s), which must lie after the previous one.
-  /// @return true when the heading started anew: earlier headings do not compare with it.
+  /// @return true when the heading restarted: earlier headings do not compare with it.
   bool add(double time, double yaw_rate);
   double yaw() const noexcept { return yaw_; }  ///< rad
   void reset();

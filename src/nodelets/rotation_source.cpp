@@ -17,7 +17,7 @@ constexpr std::uint32_t kQueueSize = 200;
 
 /// What both sources of messages have in common: nothing that arrives may end the process, and a
 /// wrong stamp costs no more than its own message.
-class MessageGate {
+class GuardedCallback {
  public:
   /// Runs `body`; whatever it throws becomes a warning.
   template <typename Body>
@@ -35,7 +35,7 @@ class MessageGate {
     if (!defect.empty()) throw std::invalid_argument(defect);
     const StampGuard::Verdict verdict = stamps_.check(stamp);
     if (verdict == StampGuard::Verdict::kStale) {
-      throw std::invalid_argument("its stamp is not later than that of the one before");
+      throw std::invalid_argument("stamp not newer than the previous one's");
     }
     return verdict;
   }
@@ -82,7 +82,7 @@ class OdometrySource : public RotationSource {
   std::string base_frame_;
   std::string frame_;
   Callbacks callbacks_;
-  MessageGate gate_;
+  GuardedCallback gate_;
   PoseBuffer buffer_;
   ros::Subscriber subscriber_;
 };
@@ -124,7 +124,7 @@ class ImuSource : public RotationSource {
     const double time = imu.header.stamp.toSec();
     if (heading_.add(time, (mount->linear() * rate).z())) {
       buffer_.clear();
-      callbacks_.anew();
+      callbacks_.restarted();
     }
     PoseSample sample;
     sample.time = time;
@@ -135,7 +135,7 @@ class ImuSource : public RotationSource {
 
   Extrinsics& extrinsics_;
   Callbacks callbacks_;
-  MessageGate gate_;
+  GuardedCallback gate_;
   PoseBuffer buffer_;
   YawIntegrator heading_;
   ros::Subscriber subscriber_;

@@ -22,7 +22,7 @@ class RotationSource {
   struct Callbacks {
     std::function<void()> arrival;  ///< a message came, before it is looked at
     std::function<void()> sample;   ///< a new sample is there
-    std::function<void()> anew;     ///< rotations from here on do not compare with those before
+    std::function<void()> restarted;    ///< rotations from here on do not compare with those before
     std::function<void(const std::string&)> warn;
   };
 

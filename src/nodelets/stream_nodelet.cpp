@@ -69,7 +69,7 @@ ros::Subscriber StreamNodelet::listenToTwists(InputMonitor& input, EgoMotion& mo
 }
 
 ros::Subscriber StreamNodelet::listenToCamera(InputMonitor& input, sensor_msgs::CameraInfoConstPtr& camera) {
-  return listenToLasting<sensor_msgs::CameraInfo>(
+  return subscribeLatched<sensor_msgs::CameraInfo>(
       input, "camera_info", [&camera](const sensor_msgs::CameraInfoConstPtr& message) { camera = message; });
 }
 
@@ -96,16 +96,16 @@ void StreamNodelet::warn(const std::string& subject, const std::string& text) {
   if (throttle_.allow(subject, text)) NODELET_WARN("%s: %s", getName().c_str(), text.c_str());
 }
 
-void StreamNodelet::startAnew(const ros::Time& now) {
-  NODELET_WARN("%s: time went back to %.3f s; starting anew", getName().c_str(), now.toSec());
+void StreamNodelet::restart(const ros::Time& now) {
+  NODELET_WARN("%s: time jumped back to %.3f s; resetting", getName().c_str(), now.toSec());
   for (const std::unique_ptr<InputMonitor>& input : inputs_) input->reset();
-  forgetThePast();
+  clearHistory();
 }
 
 void StreamNodelet::guard(InputMonitor& input, const std::function<void()>& body) {
   try {
     const ros::Time now = ros::Time::now();
-    if (clock_.wentBack(now)) startAnew(now);
+    if (clock_.wentBack(now)) restart(now);
     body();
   } catch (const std::exception& error) {
     // Whatever the data are: they must not end the process that we share with others.
@@ -119,7 +119,7 @@ void StreamNodelet::take(InputMonitor& input, const std_msgs::Header& header,
   guard(input, [&] {
     const ros::Time now = ros::Time::now();
     if (!input.accept(header, now)) {
-      startAnew(header.stamp);
+      restart(header.stamp);
       input.accept(header, now);
     }
     body();

@@ -25,13 +25,13 @@ class EgoMotion;
 class RecentClouds;
 
 /// What the nodelets of the image half have in common: no message ends the process, every input has a
-/// diagnostic that names its topic and what is wrong with it, and a step back of time starts all anew.
+/// diagnostic that names its topic and what is wrong with it, and a step back of time resets everything.
 ///
 /// All callbacks run one after the other in the nodelet's single-threaded queue.
 class StreamNodelet : public nodelet::Nodelet {
  protected:
   /// Forgets everything that was received.
-  virtual void forgetThePast() = 0;
+  virtual void clearHistory() = 0;
   /// Adds figures and the nodelet's own verdict to the diagnostic called `what`.
   virtual void report(diagnostic_updater::DiagnosticStatusWrapper& status) = 0;
 
@@ -69,12 +69,12 @@ class StreamNodelet : public nodelet::Nodelet {
 
   /// What holds until the next one comes: no order of stamps, no silence.
   template <typename Message>
-  ros::Subscriber listenToLasting(InputMonitor& input, const std::string& topic,
+  ros::Subscriber subscribeLatched(InputMonitor& input, const std::string& topic,
                                   std::function<void(const boost::shared_ptr<const Message>&)> body) {
     ros::Subscriber subscriber = getNodeHandle().template subscribe<Message>(
         topic, 2, [this, &input, body](const boost::shared_ptr<const Message>& message) {
           guard(input, [&] {
-            input.acceptLasting(ros::Time::now());
+            input.acceptLatched(ros::Time::now());
             body(message);
           });
         });
@@ -108,7 +108,7 @@ class StreamNodelet : public nodelet::Nodelet {
   }
 
   /// Calls `connect` when `wanted` begins to hold and `disconnect` when it ends, looking some times a second:
-  /// who has no audience listens to nobody, and its sources may rest as well.
+  /// without subscribers the nodelet unsubscribes from its inputs, so that lazy publishers upstream can stop too.
   void connectWhile(const std::function<bool()>& wanted, const std::function<void()>& connect,
                     const std::function<void()>& disconnect);
   bool connected() const noexcept { return connected_; }
@@ -127,7 +127,7 @@ class StreamNodelet : public nodelet::Nodelet {
 
  private:
   void take(InputMonitor& input, const std_msgs::Header& header, const std::function<void()>& body);
-  void startAnew(const ros::Time& now);
+  void restart(const ros::Time& now);
   void reportConfiguration(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   template <typename Config>

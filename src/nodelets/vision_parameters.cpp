@@ -70,7 +70,7 @@ MotionParams motionParams(const DynamicSegmentationConfig& config) {
   params.score = config.score == "paper" ? MotionScore::kPaper : MotionScore::kUncertainty;
   params.flow_std = config.flow_std;
   params.flow_std_relative = config.flow_std_relative;
-  params.closure_weight = config.closure_weight;
+  params.fb_error_weight = config.fb_error_weight;
   params.depth_std = config.depth_std;
   params.next_depth_std = config.next_depth_std;
   params.false_alarm = config.false_alarm;

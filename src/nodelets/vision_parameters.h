@@ -29,7 +29,7 @@ MotionUncertainty motionUncertainty(const DynamicSegmentationConfig& config,
                                     const geometry_msgs::TwistWithCovariance::_covariance_type& covariance,
                                     bool has_rotation);
 
-/// The name of the depth backend that takes somebody else's depth.
+/// The name of the depth backend that takes an external depth.
 inline constexpr const char* kTopicBackend = "topic";
 
 }  // namespace radar_dot

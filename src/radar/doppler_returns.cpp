@@ -123,7 +123,7 @@ ExtractionCounts DopplerExtractor::extract(const PointCloudView& cloud, std::vec
     const double z = layout_.z.present() ? layout_.z.read(point) : 0.0;
     const double range = std::sqrt(x * x + y * y + z * z);
     double doppler = 0.0;
-    double across = 0.0;
+    double tangential_speed = 0.0;
     if (layout_.doppler.present()) {
       doppler = params_.doppler_scale * layout_.doppler.read(point);
     } else {
@@ -131,7 +131,7 @@ ExtractionCounts DopplerExtractor::extract(const PointCloudView& cloud, std::vec
       const double vy = layout_.vy.read(point);
       const double scale = params_.doppler_scale / std::hypot(x, y);
       doppler = scale * (x * vx + y * vy);
-      across = scale * (x * vy - y * vx);
+      tangential_speed = scale * (x * vy - y * vx);
     }
     if (!std::isfinite(range) || range <= 0.0 || !std::isfinite(doppler)) {
       ++counts.not_finite;
@@ -159,7 +159,7 @@ ExtractionCounts DopplerExtractor::extract(const PointCloudView& cloud, std::vec
     accepted.bearing = Eigen::Vector3d(x / range, y / range, z / range).cast<float>();
     accepted.range = static_cast<float>(range);
     accepted.doppler = static_cast<float>(doppler);
-    accepted.across = static_cast<float>(across);
+    accepted.tangential_speed = static_cast<float>(tangential_speed);
     accepted.index = static_cast<std::uint32_t>(i);
   }
   counts.accepted = returns.size();

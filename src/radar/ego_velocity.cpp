@@ -10,7 +10,7 @@
 #include "constraint_system.h"
 #include "model_axes.h"
 #include "segmentation.h"
-#include "turned_return.h"
+#include "rotated_return.h"
 
 namespace radar_dot {
 
@@ -89,7 +89,7 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params,
     for (std::size_t i = 0; i < scan.returns->size(); ++i) {
       const DopplerReturn& measured = (*scan.returns)[i];
       Row row;
-      const TurnedReturn seen = turnedReturn(measured, R_base_from_sensor, scan.bearing_rotation);
+      const RotatedReturn seen = rotatedReturn(measured, R_base_from_sensor, scan.bearing_rotation);
       row.bearing = seen.bearing;
       row.mount = mount;
       row.position = (mount + measured.range * row.bearing).head<2>();
@@ -244,8 +244,8 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
   const double freedom = static_cast<double>(result.inlier_count) - rank;
   const double widening = freedom > 0.0 ? std::max(1.0, chi_squared / freedom) : 1.0;
   const Eigen::Matrix3d reduced_covariance = reducedCovariance(params, threshold, widening);
-  const Eigen::Matrix3d basis = withoutTraces(observability.basis, rank, model.count);
-  const Parameters solution = plausibleMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
+  const Eigen::Matrix3d basis = removeTrails(observability.basis, rank, model.count);
+  const Parameters solution = leastSideslipMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
   const Eigen::Matrix3d covariance = basis * reduced_covariance * basis.transpose();
 
   if (params.model == MotionModel::kAckermann)

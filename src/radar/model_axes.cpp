@@ -17,7 +17,7 @@ ModelAxes axesOf(MotionModel model) noexcept {
   return {2, {0, 1, 0}};
 }
 
-Parameters plausibleMember(const ModelAxes& model, const Eigen::Matrix3d& basis, int rank,
+Parameters leastSideslipMember(const ModelAxes& model, const Eigen::Matrix3d& basis, int rank,
                            const Parameters& solution) {
   const int free = model.count - rank;
   if (free <= 0) return solution;
@@ -37,7 +37,7 @@ Parameters plausibleMember(const ModelAxes& model, const Eigen::Matrix3d& basis,
   return solution - directions * step;
 }
 
-Eigen::Matrix3d withoutTraces(Eigen::Matrix3d basis, int rank, int parameters) {
+Eigen::Matrix3d removeTrails(Eigen::Matrix3d basis, int rank, int parameters) {
   constexpr double kTrace = 0.02;
   for (int k = rank; k < parameters; ++k) {
     for (int i = 0; i < parameters; ++i) {

@@ -22,12 +22,12 @@ ModelAxes axesOf(MotionModel model) noexcept;
 /// family with the least sideslip and vertical velocity (and, after them, the least forward velocity
 /// and yaw rate). The returns cannot tell the members apart; a vehicle on wheels is most likely near
 /// this one.
-Parameters plausibleMember(const ModelAxes& model, const Eigen::Matrix3d& basis, int rank,
+Parameters leastSideslipMember(const ModelAxes& model, const Eigen::Matrix3d& basis, int rank,
                            const Parameters& solution);
 
 /// The basis with small components of its free directions set to zero. A radar a centimetre beside
 /// the centre line leaves vx free by a hundredth of the yaw rate, which is no news; with the variance
 /// of a free direction it would still pass for unobserved.
-Eigen::Matrix3d withoutTraces(Eigen::Matrix3d basis, int rank, int parameters);
+Eigen::Matrix3d removeTrails(Eigen::Matrix3d basis, int rank, int parameters);
 
 }  // namespace radar_dot

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "segmentation.h"
-#include "turned_return.h"
+#include "rotated_return.h"
 
 namespace radar_dot {
 
@@ -21,7 +21,7 @@ std::vector<ReturnOverGround> returnsOverGround(const RadarScan& scan, const Eig
   std::vector<Eigen::Vector2f> positions;
   for (std::size_t i = 0; i < scan.returns->size(); ++i) {
     const DopplerReturn& measured = (*scan.returns)[i];
-    const TurnedReturn turned = turnedReturn(measured, R_base_from_sensor, scan.bearing_rotation);
+    const RotatedReturn turned = rotatedReturn(measured, R_base_from_sensor, scan.bearing_rotation);
     const Eigen::Vector3d bearing = turned.bearing.cast<double>();
     ReturnOverGround over;
     over.time = scan.time;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "turned_return.h"
+#include "rotated_return.h"
 
 namespace radar_dot {
 namespace {
@@ -77,14 +77,14 @@ std::vector<SensorVelocity> sensorVelocities(const std::vector<RadarScan>& scans
         continue;
       if (scan.known_dynamic != nullptr && i < scan.known_dynamic->size() && (*scan.known_dynamic)[i] != 0)
         continue;
-      const TurnedReturn seen = turnedReturn((*scan.returns)[i], R_base_from_sensor, scan.bearing_rotation);
+      const RotatedReturn seen = rotatedReturn((*scan.returns)[i], R_base_from_sensor, scan.bearing_rotation);
       const Eigen::Vector3d bearing = seen.bearing.cast<double>();
       if (!bearing.allFinite() || !std::isfinite(seen.doppler)) continue;
-      const double across = bearing.x() * velocity.y() - bearing.y() * velocity.x();
+      const double tangential_speed = bearing.x() * velocity.y() - bearing.y() * velocity.x();
       constraints.push_back({bearing.head<2>(),
                              -static_cast<double>(seen.doppler) - bearing.z() * velocity.z(),
                              params.doppler_std * params.doppler_std +
-                                 params.azimuth_std * params.azimuth_std * across * across});
+                                 params.azimuth_std * params.azimuth_std * tangential_speed * tangential_speed});
     }
     if (constraints.size() < static_cast<std::size_t>(std::max(1, params.min_returns))) continue;
     if (std::optional<SensorVelocity> sensor = solve(constraints, velocity.head<2>(), params.scan_std)) {

@@ -18,12 +18,12 @@ class Reporter {
  public:
   Reporter(const RadarMotion& motion, const RadarModel& model, RandomStream& random)
       : motion_(motion), model_(model), random_(random) {
-    told_yaw_rate_ = motion.yaw_rate;
+    previous_yaw_rate_ = motion.yaw_rate;
     const Eigen::Vector3d own = motion.T_map_from_sensor.linear().transpose() * motion.velocity;
     own_velocity_ = own.head<2>();
     speed_ = own_velocity_.norm();
     if (speed_ < kStands) return;
-    told_yaw_rate_ += model.yaw_rate_deviation * random.normal();
+    previous_yaw_rate_ += model.yaw_rate_deviation * random.normal();
     own_velocity_ *= 1.0 + model.speed_deviation * random.normal() / speed_;
   }
 
@@ -80,7 +80,7 @@ class Reporter {
       const bool assumed_static =
           reported.dyn_prop == kStationary || reported.dyn_prop == kStationaryCandidate;
       const double vy = assumed_static && reported.ambig_state == 3
-                            ? -told_yaw_rate_ * (static_cast<double>(reported.x) + model_.assumed_lever_arm)
+                            ? -previous_yaw_rate_ * (static_cast<double>(reported.x) + model_.assumed_lever_arm)
                             : 0.0;
       reported.vy = static_cast<float>(quantised(vy, model_.velocity_step));
       const double vx = (doppler - bearing.y() * static_cast<double>(reported.vy)) / bearing.x();
@@ -96,7 +96,7 @@ class Reporter {
   const RadarMotion& motion_;
   const RadarModel& model_;
   RandomStream& random_;
-  double told_yaw_rate_ = 0.0;                              // rad/s
+  double previous_yaw_rate_ = 0.0;                              // rad/s
   double speed_ = 0.0;                                      // m/s
   Eigen::Vector2d own_velocity_ = Eigen::Vector2d::Zero();  // m/s, as told, sensor frame
 };

@@ -64,11 +64,11 @@ void declareMethod(CLI::App& app, FlowEvaluationOptions& options) {
   app.add_option("--flow-directory", options.flow_directory, "Folder of 16-bit PNG flows, for --flow files");
   app.add_option("--preset", flow.preset, "ultrafast, fast, medium, fine (dis)")->capture_default_str();
   app.add_option("--initialisation", flow.initialisation,
-                 "none; of a dataroot also temporal (flow of the pair before), expected (flow of a static "
+                 "none; of a dataroot also temporal (flow of the previous pair), expected (flow of a static "
                  "world, by --depth and the true motion)")
       ->capture_default_str();
   app.add_flag("--forward-backward,!--no-forward-backward", flow.forward_backward,
-               "Leave out pixels whose flow there and back does not close (default: off)");
+               "Leave out pixels whose forward and backward flow does not close (default: off)");
   app.add_option("--working-width", options.working_width,
                  "px, grid on which flow and truth are compared, with errors in px of the image; 0 = the "
                  "image's")

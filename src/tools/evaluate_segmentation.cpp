@@ -114,7 +114,7 @@ void declareMethod(CLI::App& app, Arguments& arguments) {
   app.add_option("--initialisation", arguments.initialisation,
                  "none, expected (flow of a static world); default: expected for dis, none for others");
   app.add_flag("--forward-backward,!--no-forward-backward", flow.forward_backward,
-               "Exclude pixels whose flow there and back does not close (default: off)");
+               "Exclude pixels whose forward and backward flow does not close (default: off)");
   radar_dot::tools::declareDepthParams(app, options.depth_params);
   radar_dot::tools::declareFlowNetwork(app, flow);
   radar_dot::tools::declareDevice(app, {&flow.network, &options.depth_params.network});
@@ -142,7 +142,7 @@ void declareLoop(CLI::App& app, Arguments& arguments) {
 void declareAblation(CLI::App& app, Arguments& arguments) {
   app.add_flag("--ablation", arguments.ablation,
                "From the paper's masks to the best, step by step: the score by uncertainty, refined motion, "
-               "radar evidence, the pair before, memory; one table, and in --json")
+               "radar evidence, the previous pair, memory; one table, and in --json")
       ->excludes("--compare-loop");
   app.add_flag("--best", arguments.best,
                "All that --ablation adds: --score uncertainty --forward-backward --refine --look-back "

@@ -22,7 +22,7 @@ inline void declareScore(CLI::App& app, MotionParams& motion) {
       ->capture_default_str();
   app.add_option("--flow-std-relative", motion.flow_std_relative, "Share of the flow on top (uncertainty)")
       ->capture_default_str();
-  app.add_option("--closure-weight", motion.closure_weight,
+  app.add_option("--fb_error-weight", motion.fb_error_weight,
                  "Share of the gap of --forward-backward that is noise (uncertainty)")
       ->capture_default_str();
   app.add_option("--depth-std", motion.depth_std, "Share of the inverse depth (uncertainty)")

@@ -178,7 +178,7 @@ class Network : public TorchModel {
   std::mutex mutex_;
 };
 
-/// Tells one network from another; a file that was written anew is another.
+/// Tells one network from another; a file that was rewritten is another.
 using Key = std::tuple<std::string, std::filesystem::file_time_type, std::string, std::vector<TensorShape>,
                        TensorShape>;
 

@@ -12,7 +12,7 @@
 
 namespace radar_dot {
 
-MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const cv::Mat& closure) {
+MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const cv::Mat& fb_error) {
   MotionInput seen;
   seen.camera = pair.camera;
   seen.pixel_scale = pair.pixel_scale;
@@ -21,15 +21,15 @@ MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const c
   // along, and as uncertain.
   seen.motion_covariance = cameraCovariance(pair.T_current_from_previous, pair.motion_covariance);
   seen.flow = flow;
-  seen.flow_closure = closure;
+  seen.fb_error = fb_error;
   seen.depth = pair.next_depth;
   seen.next_depth = pair.depth;
   return seen;
 }
 
-MotionInput seenWithTheImageBefore(const MotionInput& pair, const MotionInput& pair_before,
-                                   const cv::Mat& flow_back, const cv::Mat& closure) {
-  MotionInput seen = seenFromSecond(pair_before, flow_back, closure);
+MotionInput previousPairFromFirst(const MotionInput& pair, const MotionInput& pair_before,
+                                   const cv::Mat& flow_back, const cv::Mat& fb_error) {
+  MotionInput seen = seenFromSecond(pair_before, flow_back, fb_error);
   seen.depth = pair.depth;
   seen.depth_std = pair.depth_std;
   seen.dynamic_points = pair.dynamic_points;
@@ -46,7 +46,7 @@ cv::Mat logOdds(const MotionResult& result) {
     float* out = odds.ptr<float>(row);
     for (int column = 0; column < odds.cols; ++column) {
       // In this order the bounds leave NaN as it is.
-      out[column] = std::max(std::min((scores[column] - tau) * over_scale, kMostBelief), -kMostBelief);
+      out[column] = std::max(std::min((scores[column] - tau) * over_scale, kMaxLogOdds), -kMaxLogOdds);
     }
   });
   return odds;

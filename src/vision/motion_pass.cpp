@@ -22,7 +22,7 @@ constexpr int kBlock = 256;  // pixels of a row that are worked on together,
 struct PixelBlock {
   std::array<float, kBlock> u, v, depth_there, flow_part, tolerance, depth_part;
   // of the score by uncertainty
-  std::array<float, kBlock> closure, depth_std, x, y, inverse_depth, uu, uv, vv;
+  std::array<float, kBlock> fb_error, depth_std, x, y, inverse_depth, uu, uv, vv;
 };
 
 /// Prediction, flow residual and the tolerance for flow.
@@ -97,9 +97,9 @@ void readNoise(const PassConstants& pass, int count, const float* closures, cons
                PixelBlock& block) {
   const auto end = [count](auto& values) { return values.begin() + count; };
   if (closures == nullptr) {
-    std::fill(block.closure.begin(), end(block.closure), 0.0F);
+    std::fill(block.fb_error.begin(), end(block.fb_error), 0.0F);
   } else {
-    std::transform(closures, closures + count, block.closure.begin(),
+    std::transform(closures, closures + count, block.fb_error.begin(),
                    [](float gap) { return gap >= 0.0F ? gap : 0.0F; });
   }
   if (depth_stds == nullptr) {
@@ -118,7 +118,7 @@ RADAR_DOT_VECTORISED void spreadByInputs(const PassConstants& pass, int count, c
   const motion_terms::PixelMotion motion = pass.motion;
   const float flow_std = pass.flow_std;
   const float flow_std_relative = pass.flow_std_relative;
-  const float closure_weight = pass.closure_weight;
+  const float fb_error_weight = pass.fb_error_weight;
   const float cx = pass.cx, cy = pass.cy;
   const float x_by_u = 1.0F / pass.fx, y_by_v = 1.0F / pass.fy;
   for (int i = 0; i < count; ++i) {
@@ -126,7 +126,7 @@ RADAR_DOT_VECTORISED void spreadByInputs(const PassConstants& pass, int count, c
     const float flow_u = flows[2 * i];
     const float flow_v = flows[2 * i + 1];
     const float sigma = flow_std + flow_std_relative * std::sqrt(flow_u * flow_u + flow_v * flow_v);
-    const float gap = closure_weight * block.closure[k];
+    const float gap = fb_error_weight * block.fb_error[k];
     const float variance = sigma * sigma + gap * gap;
     const terms::PixelShift shift =
         terms::byInverseDepth(motion, depths[i], {block.u[k], block.v[k], block.depth_there[k]});
@@ -189,7 +189,7 @@ PassConstants::PassConstants(const MotionInput& input, const MotionParams& param
       median_depth(static_cast<float>(median)),
       flow_std(static_cast<float>(params.flow_std / input.pixel_scale)),
       flow_std_relative(static_cast<float>(params.flow_std_relative)),
-      closure_weight(static_cast<float>(params.closure_weight)),
+      fb_error_weight(static_cast<float>(params.fb_error_weight)),
       depth_std(static_cast<float>(params.depth_std)),
       next_depth_std(static_cast<float>(params.next_depth_std)),
       fx(static_cast<float>(input.camera.fx)),

@@ -25,7 +25,7 @@ struct PassConstants {
 
   motion_terms::PixelMotion motion;
   float pixel_scale, lambda, min_depth, max_depth, occlusion_margin, median_depth;
-  float flow_std, flow_std_relative, closure_weight, depth_std,
+  float flow_std, flow_std_relative, fb_error_weight, depth_std,
       next_depth_std;    // px of the grid, shares
   float fx, fy, cx, cy;  // px of the grid
   std::vector<uncertainty_terms::SmallMotion> spread;

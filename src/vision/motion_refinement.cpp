@@ -128,9 +128,9 @@ void Refiner::collect() {
       if (!is_known) continue;
       const double sigma = flow_std + params_.flow_std_relative * flow.norm();
       pixel.flow_variance = sigma * sigma;
-      if (!input_.flow_closure.empty()) {
-        const auto gap = static_cast<double>(input_.flow_closure.at<float>(v, u));
-        if (gap > 0.0) pixel.flow_variance += std::pow(params_.closure_weight * gap, 2);
+      if (!input_.fb_error.empty()) {
+        const auto gap = static_cast<double>(input_.fb_error.at<float>(v, u));
+        if (gap > 0.0) pixel.flow_variance += std::pow(params_.fb_error_weight * gap, 2);
       }
       pixel.rho = 1.0 / depth;
       const double declared =
@@ -239,7 +239,7 @@ Eigen::Matrix<double, 6, 6> baseMotionCovariance(const MotionUncertainty& uncert
 void validate(const RefinementParams& params) {
   kChecks.positive("flow_std", params.flow_std);
   kChecks.notNegative("flow_std_relative", params.flow_std_relative);
-  kChecks.notNegative("closure_weight", params.closure_weight);
+  kChecks.notNegative("fb_error_weight", params.fb_error_weight);
   kChecks.notNegative("depth_std", params.depth_std);
   kChecks.notNegative("ground_depth_std", params.ground_depth_std);
   kChecks.notNegative("ground_pitch_std", params.ground_pitch_std);
@@ -258,14 +258,14 @@ RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundP
   requireImage(input.depth, CV_32FC1, input.camera, "depth", "CV_32FC1");
   if (!input.flow_valid.empty())
     requireImage(input.flow_valid, CV_8UC1, input.camera, "flow_valid", "CV_8UC1");
-  if (!input.flow_closure.empty())
-    requireImage(input.flow_closure, CV_32FC1, input.camera, "flow_closure", "CV_32FC1");
+  if (!input.fb_error.empty())
+    requireImage(input.fb_error, CV_32FC1, input.camera, "fb_error", "CV_32FC1");
   if (!input.depth_std.empty())
     requireImage(input.depth_std, CV_32FC1, input.camera, "depth_std", "CV_32FC1");
   return Refiner(input, ground, params).run();
 }
 
-cv::Mat exchangeGround(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
+cv::Mat replaceGroundDepth(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
                        const GroundPlane& refined, double max_depth) {
   requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
   constexpr double kEverywhere = std::numeric_limits<double>::infinity();
@@ -286,7 +286,7 @@ cv::Mat exchangeGround(const cv::Mat& depth, const CameraIntrinsics& camera, con
   return exchanged;
 }
 
-cv::Mat exchangeGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
+cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
                           const GroundPlane& drawn, const RefinedMotion& refined) {
   requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
   requireImage(relative_std, CV_32FC1, camera, "relative_std", "CV_32FC1");
@@ -317,10 +317,10 @@ void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, d
   input.motion_covariance = refined.covariance;
   if (!ground) return;
   if (!input.depth_std.empty())
-    input.depth_std = exchangeGroundStd(input.depth_std, input.depth, input.camera, *ground, refined);
-  input.depth = exchangeGround(input.depth, input.camera, *ground, *refined.ground, max_depth);
+    input.depth_std = replaceGroundStd(input.depth_std, input.depth, input.camera, *ground, refined);
+  input.depth = replaceGroundDepth(input.depth, input.camera, *ground, *refined.ground, max_depth);
   if (!input.next_depth.empty())
-    input.next_depth = exchangeGround(input.next_depth, input.camera, *ground, *refined.ground, max_depth);
+    input.next_depth = replaceGroundDepth(input.next_depth, input.camera, *ground, *refined.ground, max_depth);
 }
 
 }  // namespace radar_dot

@@ -115,7 +115,7 @@ void validate(const MotionParams& params) {
   kChecks.notNegative("flow_std_relative", params.flow_std_relative);
   kChecks.require(params.flow_std + params.flow_std_relative > 0.0, "flow_std", params.flow_std,
                   "positive, or flow_std_relative");
-  kChecks.notNegative("closure_weight", params.closure_weight);
+  kChecks.notNegative("fb_error_weight", params.fb_error_weight);
   kChecks.notNegative("depth_std", params.depth_std);
   kChecks.positive("next_depth_std", params.next_depth_std);
   kChecks.require(params.false_alarm > 0.0 && params.false_alarm < 1.0, "false_alarm", params.false_alarm,
@@ -208,7 +208,7 @@ double MotionSegmenter::Workspace::score(const MotionInput& input, const PassCon
     in.depths = input.depth.ptr<float>(row);
     in.flows = input.flow.ptr<float>(row);
     if (!input.flow_valid.empty()) in.reliable = input.flow_valid.ptr<std::uint8_t>(row);
-    if (!input.flow_closure.empty()) in.closures = input.flow_closure.ptr<float>(row);
+    if (!input.fb_error.empty()) in.closures = input.fb_error.ptr<float>(row);
     if (!input.depth_std.empty()) in.depth_stds = input.depth_std.ptr<float>(row);
     if (with_radar) in.footprint = footprints.ptr<std::uint8_t>(row);
     float* out = scores.ptr<float>(row);
@@ -323,7 +323,7 @@ void requireImages(const MotionInput& input) {
   requireImage(input.depth, CV_32FC1, camera, "depth", "CV_32FC1");
   if (!input.flow_valid.empty()) requireImage(input.flow_valid, CV_8UC1, camera, "flow_valid", "CV_8UC1");
   for (const auto& [image, name] :
-       {std::pair(&input.next_depth, "next_depth"), std::pair(&input.flow_closure, "flow_closure"),
+       {std::pair(&input.next_depth, "next_depth"), std::pair(&input.fb_error, "fb_error"),
         std::pair(&input.depth_std, "depth_std"), std::pair(&input.belief, "belief")})
     if (!image->empty()) requireImage(*image, CV_32FC1, camera, name, "CV_32FC1");
 }
@@ -342,7 +342,7 @@ const MotionResult& MotionSegmenter::segment(const MotionInput& input, const Mot
     throw std::invalid_argument("motion segmentation: the paper's score knows nothing of images before");
   if (before != nullptr) {
     kChecks.require(before->camera.width == camera.width && before->camera.height == camera.height,
-                    "width of the grid of the pair before", before->camera.width, "that of the pair");
+                    "width of the grid of the previous pair", before->camera.width, "that of the pair");
     requireImages(*before);
   }
 

@@ -59,7 +59,7 @@ void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double ab
   const cv::Mat targets = targetsOf(forward.flow);
   const cv::Mat back = warpedBack(backward, targets);
   forward.valid.create(backward.size(), CV_8UC1);
-  forward.closure.create(backward.size(), CV_32FC1);
+  forward.fb_error.create(backward.size(), CV_32FC1);
   const auto tolerance = static_cast<float>(absolute);
   const auto share = static_cast<float>(relative);
   const auto last_u = static_cast<float>(backward.cols - 1);
@@ -68,7 +68,7 @@ void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double ab
     const auto* f = forward.flow.ptr<cv::Vec2f>(row);
     const auto* b = back.ptr<cv::Vec2f>(row);
     const auto* to = targets.ptr<cv::Vec2f>(row);
-    auto* gaps = forward.closure.ptr<float>(row);
+    auto* gaps = forward.fb_error.ptr<float>(row);
     auto* out = forward.valid.ptr<std::uint8_t>(row);
     for (int column = 0; column < backward.cols; ++column) {
       const float x = f[column][0] + b[column][0];

@@ -404,7 +404,7 @@ TEST_F(FaultsTest, WrongStampsResetNothingAndEndNobody) {
   ASSERT_TRUE(waitUntil([&] { return gyro.count() > 60 && aided.count() > 60; }, 15.0));
   const std::size_t gyro_before = gyro.count(), aided_before = aided.count();
   const auto isReset = [](const rosgraph_msgs::LogConstPtr& line) {
-    return line->msg.find("starting anew") != std::string::npos;
+    return line->msg.find("resetting") != std::string::npos;
   };
   const auto resets = [&] {
     const auto lines = log.messages();

@@ -255,7 +255,7 @@ TEST_F(ImageInputs, BackendsAreExchangedLive) {
 }
 
 TEST_F(ImageInputs, PicturesAreDrawnWhileSomebodyLooks) {
-  EXPECT_TRUE(waitUntil([&] { return diagnostics_.latest("overlay: overlay").message == "nobody looks"; },
+  EXPECT_TRUE(waitUntil([&] { return diagnostics_.latest("overlay: overlay").message == "idle: no subscribers"; },
                         kPatience));
   const Recorder<Image> masks(handle_, "overlay/mask");
   const Recorder<Image> panels(handle_, "overlay/six_panel");

@@ -295,14 +295,14 @@ TEST(FlowMessage, RoundTripWithValid) {
 
 TEST(FlowMessage, RoundTripWithClosure) {
   FlowField field = flowField();
-  field.closure = cv::Mat(field.flow.size(), CV_32FC1, cv::Scalar(0.25));
-  field.closure.at<float>(4, 7) = 3.5F;
+  field.fb_error = cv::Mat(field.flow.size(), CV_32FC1, cv::Scalar(0.25));
+  field.fb_error.at<float>(4, 7) = 3.5F;
   const FlowPtr message = flowMessage({}, {}, field, {1600, 900});
-  EXPECT_EQ(message->closure.encoding, "32FC1");
+  EXPECT_EQ(message->fb_error.encoding, "32FC1");
   const FlowField read = flowOf(*message);
-  EXPECT_TRUE(equalBytes(read.closure, field.closure));
+  EXPECT_TRUE(equalBytes(read.fb_error, field.fb_error));
   EXPECT_TRUE(read.valid.empty());
-  EXPECT_TRUE(flowOf(*flowMessage({}, {}, flowField(), {1600, 900})).closure.empty());
+  EXPECT_TRUE(flowOf(*flowMessage({}, {}, flowField(), {1600, 900})).fb_error.empty());
 }
 
 TEST(FlowMessage, PartsOfLargerImagesAreSentWithoutTheRest) {
@@ -317,7 +317,7 @@ TEST(FlowOf, RefusesWhatContradictsItself) {
   const auto expectRefused = [](auto change, std::initializer_list<std::string> parts) {
     FlowField field = flowField();
     field.valid = cv::Mat(field.flow.size(), CV_8UC1, cv::Scalar(255));
-    field.closure = cv::Mat(field.flow.size(), CV_32FC1, cv::Scalar(0.0));
+    field.fb_error = cv::Mat(field.flow.size(), CV_32FC1, cv::Scalar(0.0));
     Flow message = *flowMessage({}, {}, field, {1600, 900});
     EXPECT_NO_THROW(flowOf(message));
     change(message);
@@ -329,8 +329,8 @@ TEST(FlowOf, RefusesWhatContradictsItself) {
   expectRefused([](Flow& m) { m.valid.encoding = "rgb8"; }, {"valid", "'rgb8'", "mono8"});
   expectRefused([](Flow& m) { m.valid.data.pop_back(); }, {"valid"});
   expectRefused([](Flow& m) { m.valid = *imageOf("mono8", 1, 16, 8); }, {"valid", "16 x 8", "16 x 9"});
-  expectRefused([](Flow& m) { m.closure.encoding = "mono8"; }, {"closure", "'mono8'", "32FC1"});
-  expectRefused([](Flow& m) { m.closure = *imageOf("32FC1", 4, 16, 8); }, {"closure", "16 x 8", "16 x 9"});
+  expectRefused([](Flow& m) { m.fb_error.encoding = "mono8"; }, {"fb_error", "'mono8'", "32FC1"});
+  expectRefused([](Flow& m) { m.fb_error = *imageOf("32FC1", 4, 16, 8); }, {"fb_error", "16 x 8", "16 x 9"});
   expectRefused([](Flow& m) { m.image_height = 1200; }, {"16 x 9", "1600 x 1200"});
   expectRefused([](Flow& m) { m.image_width = m.image_height = 0; }, {"0 x 0"});
   expectRefused([](Flow& m) { m.image_width = m.image_height = 0xFFFFFFFF; }, {"16 x 9"});

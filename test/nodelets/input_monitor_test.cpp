@@ -181,9 +181,9 @@ TEST(InputMonitorReport, WhatIsRefusedAfterItsHeaderWasAcceptedIsNoGoodMessage) 
 TEST(InputMonitorReport, WhatLastsMayBeSilentOnceItCame) {
   InputMonitor monitor = monitorOf(true);
   EXPECT_EQ(reportOf(monitor).level, DiagnosticStatus::ERROR);
-  monitor.acceptLasting(kNow);
+  monitor.acceptLatched(kNow);
   EXPECT_EQ(reportOf(monitor, kNow + ros::Duration(1000.0)).level, DiagnosticStatus::OK);
-  monitor.acceptLasting(kNow);
+  monitor.acceptLatched(kNow);
   monitor.refuse("the focal length is 0");
   EXPECT_EQ(reportOf(monitor).level, DiagnosticStatus::ERROR);
 }

@@ -21,7 +21,7 @@ void LiveMask::send(double seconds, const Eigen::Vector2d& position, const Eigen
                         static_cast<int>(std::lround(pixel.y())) - kHeight / 2, kWidth, kHeight);
   const cv::Size size(VisionWorld::kWidth, VisionWorld::kHeight);
   ASSERT_EQ((region & cv::Rect({0, 0}, size)).area(), kWidth * kHeight) << "not in the image";
-  constexpr double kInterval = -0.1;  // s, to the image before
+  constexpr double kInterval = -0.1;  // s, to the previous image
   cv::Mat mask = cv::Mat::zeros(size, CV_8UC1), flow = cv::Mat::zeros(size, CV_32FC2);
   mask(region) = 255;
   flow(region) =

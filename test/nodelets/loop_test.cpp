@@ -79,7 +79,7 @@ TEST(LoopTest, EachRoundOfTheBagIsLikeTheFirst) {
     const auto resets =
         std::count_if(lines.begin(), lines.end(), [&](const rosgraph_msgs::LogConstPtr& line) {
           return line->msg.compare(0, nodelet.size(), nodelet) == 0 &&
-                 line->msg.find("starting anew") != std::string::npos;
+                 line->msg.find("resetting") != std::string::npos;
         });
     EXPECT_NEAR(static_cast<double>(resets), static_cast<double>(complete), 1.0) << nodelet;
   }

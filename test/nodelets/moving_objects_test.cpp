@@ -296,7 +296,7 @@ TEST_F(MovingObjectsTest, WhenTimeGoesBackAllStartsAnew) {
       messages.begin() + static_cast<std::ptrdiff_t>(arrays), messages.end(), [](const auto& array) {
         return array->markers.size() == 1 && array->markers[0].action == Marker::DELETEALL;
       }));
-  EXPECT_TRUE(logged("", "starting anew"));
+  EXPECT_TRUE(logged("", "resetting"));
 }
 
 TEST_F(MovingObjectsTest, RegionsOfMasksTellWhereObjectsAreInTheImage) {

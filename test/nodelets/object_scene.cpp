@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPeriod = 1.0 / 13.0;  // s
 constexpr double kRate = 2.0;           // times real time
-constexpr int kStill = 40;              // returns of what stands, per scan
+constexpr int kStill = 40;              // returns of static pixels, per scan
 constexpr double kDopplerStd = 0.05;    // m/s
 constexpr double kRangeStd = 0.1;       // m
 

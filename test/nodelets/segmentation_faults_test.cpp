@@ -110,10 +110,10 @@ class LiveWorld {
 
 class SegmentationFaults : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(masksComeAnew()); }
+  void SetUp() override { ASSERT_TRUE(masksComeAgain()); }
 
   /// Masks of good data, after whatever was before.
-  bool masksComeAnew() {
+  bool masksComeAgain() {
     const std::size_t before = masks_.count();
     return waitUntil([&] { return masks_.count() >= before + 3; }, kPatience);
   }
@@ -130,7 +130,7 @@ class SegmentationFaults : public testing::Test {
     EXPECT_TRUE(reported) << name << " says '" << diagnostics_.latest(name).message << "', not '" << words
                           << "'";
     world_.set({});
-    EXPECT_TRUE(masksComeAnew()) << "after " << words;
+    EXPECT_TRUE(masksComeAgain()) << "after " << words;
     EXPECT_TRUE(waitUntil([&] { return diagnostics_.latest(name).level == DiagnosticStatus::OK; }, kPatience))
         << name << " still says '" << diagnostics_.latest(name).message << "'";
   }
@@ -154,8 +154,8 @@ class SegmentationFaults : public testing::Test {
   /// Checks the latest mask and residual of the given direction.
   void expectExact(bool backward) {
     world_.setBackward(backward);
-    ASSERT_TRUE(masksComeAnew());
-    ASSERT_TRUE(masksComeAnew());  // none of the other direction is under way any more
+    ASSERT_TRUE(masksComeAgain());
+    ASSERT_TRUE(masksComeAgain());  // none of the other direction is under way any more
     EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
     // Signs, lever arm and yaw: a wrong one would leave pixels of residual.
     EXPECT_LT(largestStaticResidual(*residuals_.messages().back()), 0.02);
@@ -215,7 +215,7 @@ TEST_F(SegmentationFaults, ThePastTellsWhatTheFlowDoesNot) {
     }
     return ros::service::call("segmentation/set_parameters", call);
   };
-  // The right half: from there the flow back leads into the patch of the image before.
+  // The right half: from there the flow back leads into the patch of the previous image.
   cv::Rect hidden = VisionWorld::patch();
   hidden.width /= 2;
   hidden.x += hidden.width;
@@ -282,10 +282,10 @@ TEST_F(SegmentationFaults, TheRefinedMotionIsPublished) {
 class DepthUncertainty : public SegmentationFaults {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(masksComeAnew());
+    ASSERT_TRUE(masksComeAgain());
     ASSERT_TRUE(choose("uncertainty", true));
-    ASSERT_TRUE(masksComeAnew());
-    ASSERT_TRUE(masksComeAnew());
+    ASSERT_TRUE(masksComeAgain());
+    ASSERT_TRUE(masksComeAgain());
   }
   void TearDown() override {
     world_.set({});
@@ -350,15 +350,15 @@ TEST_F(DepthUncertainty, MasksDoNotWaitForIt) {
   expectReported([](Frame& frame) { frame.depth_std.header.stamp += ros::Duration(0.001); }, kVerdict,
                  "/depth/uncertainty", DiagnosticStatus::WARN);
   world_.set([](Frame& frame) { frame.send_depth_std = false; });
-  ASSERT_TRUE(masksComeAnew());
-  ASSERT_TRUE(masksComeAnew());
+  ASSERT_TRUE(masksComeAgain());
+  ASSERT_TRUE(masksComeAgain());
   EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
 }
 
 TEST_F(SegmentationFaults, StampAndSizeAreThoseOfTheFirstImage) {
   Recorder<Flow> flows(handle_, "flow");
-  ASSERT_TRUE(masksComeAnew());
-  ASSERT_TRUE(masksComeAnew());
+  ASSERT_TRUE(masksComeAgain());
+  ASSERT_TRUE(masksComeAgain());
   const Image mask = *masks_.messages().back();
   EXPECT_EQ(mask.encoding, "mono8");
   EXPECT_EQ(mask.header.frame_id, VisionWorld::kCameraFrame);
@@ -429,7 +429,7 @@ TEST_F(SegmentationFaults, FlowAloneTellsWhereTheSecondDepthIsLost) {
       },
       kPatience))
       << diagnostics_.latest(kVerdict).message;
-  ASSERT_TRUE(masksComeAnew());
+  ASSERT_TRUE(masksComeAgain());
   EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
   world_.set({});
 }
@@ -441,13 +441,13 @@ TEST_F(SegmentationFaults, YawRatesThatAreNotObservedGiveNoMask) {
 
 TEST_F(SegmentationFaults, CameraInfoMayHaveAnyStampAndComeOnce) {
   world_.set([](Frame& frame) { frame.camera.header.stamp = ros::Time(); });
-  EXPECT_TRUE(masksComeAnew());
+  EXPECT_TRUE(masksComeAgain());
   // Diagnostics come once a second.
   EXPECT_TRUE(waitUntil([&] { return diagnostics_.received("segmentation: input camera_info"); }, kPatience));
   EXPECT_EQ(diagnostics_.latest("segmentation: input camera_info").level, DiagnosticStatus::OK);
   world_.set([](Frame& frame) { frame.send_camera = false; });
   ros::WallDuration(1.5).sleep();  // longer than silent_after
-  EXPECT_TRUE(masksComeAnew());
+  EXPECT_TRUE(masksComeAgain());
   EXPECT_EQ(diagnostics_.latest("segmentation: input camera_info").level, DiagnosticStatus::OK);
   world_.set({});
 }
@@ -462,13 +462,13 @@ TEST_F(SegmentationFaults, WrongTwistIsRefused) {
 
 TEST_F(SegmentationFaults, TimeMayGoBack) {
   world_.shiftTime(-100.0);
-  ASSERT_TRUE(masksComeAnew());
+  ASSERT_TRUE(masksComeAgain());
   ASSERT_TRUE(waitUntil(
       [&] { return ros::Time::now().toSec() - masks_.messages().back()->header.stamp.toSec() > 50.0; },
       kPatience));
   EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
   world_.shiftTime(0.0);
-  EXPECT_TRUE(masksComeAnew());
+  EXPECT_TRUE(masksComeAgain());
 }
 
 TEST_F(SegmentationFaults, WithoutItsRotationTheTwistHasToDo) {
@@ -504,7 +504,7 @@ TEST_F(SegmentationFaults, BadParametersAreReplacedAndReconfigured) {
       EXPECT_EQ(value.value, 6.0);
     }
   }
-  EXPECT_TRUE(masksComeAnew());
+  EXPECT_TRUE(masksComeAgain());
 }
 
 }  // namespace

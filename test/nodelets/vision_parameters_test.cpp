@@ -81,7 +81,7 @@ void expectEqual(const MotionParams& params, const MotionParams& expected) {
   EXPECT_EQ(params.score, expected.score);
   EXPECT_EQ(params.flow_std, expected.flow_std);
   EXPECT_EQ(params.flow_std_relative, expected.flow_std_relative);
-  EXPECT_EQ(params.closure_weight, expected.closure_weight);
+  EXPECT_EQ(params.fb_error_weight, expected.fb_error_weight);
   EXPECT_EQ(params.depth_std, expected.depth_std);
   EXPECT_EQ(params.next_depth_std, expected.next_depth_std);
   EXPECT_EQ(params.false_alarm, expected.false_alarm);
@@ -178,7 +178,7 @@ TEST(VisionParameters, EveryParameterOfTheSegmentationArrives) {
   expected.score = MotionScore::kUncertainty;
   config.flow_std = expected.flow_std = 1.25;
   config.flow_std_relative = expected.flow_std_relative = 0.0625;
-  config.closure_weight = expected.closure_weight = 0.375;
+  config.fb_error_weight = expected.fb_error_weight = 0.375;
   config.depth_std = expected.depth_std = 0.15;
   config.next_depth_std = expected.next_depth_std = 0.35;
   config.false_alarm = expected.false_alarm = 1e-4;

@@ -19,7 +19,7 @@
 
 namespace radar_dot::test {
 
-/// A vehicle that drives an arc before a wall, its camera, and a patch of the image that moves by itself.
+/// A vehicle that drives an arc before a wall, its camera, and a patch of the image that moves independently.
 /// Everything is constant in time, so that any two images make the same pair.
 struct VisionWorld {
   static constexpr int kWidth = 320, kHeight = 180;         ///< px, of the images
@@ -29,7 +29,7 @@ struct VisionWorld {
   static constexpr double kPeriod = 0.1;                    ///< s between images
   static constexpr const char* kCameraFrame = "camera";
 
-  /// px of the grid; what moves by itself, by 8 px to the right.
+  /// px of the grid; what moves independently, by 8 px to the right.
   static cv::Rect patch() { return {90, 30, 24, 20}; }
   static CameraIntrinsics camera();  ///< of the images
   static Eigen::Isometry3d T_base_from_camera();

@@ -84,7 +84,7 @@ std::vector<DopplerReturn> lateReturns(const Vector3d& velocity, double yaw_rate
     seen.bearing = Eigen::Vector3d(std::cos(later), std::sin(later), 0.0).cast<float>();
     seen.range = static_cast<float>(range);
     seen.doppler = static_cast<float>(std::cos(later) * relative.x() + std::sin(later) * relative.y());
-    seen.across = static_cast<float>(std::cos(later) * relative.y() - std::sin(later) * relative.x());
+    seen.tangential_speed = static_cast<float>(std::cos(later) * relative.y() - std::sin(later) * relative.x());
   }
   return returns;
 }
@@ -104,7 +104,7 @@ TEST(BearingRotation, BringsBearingsToTheTimeOfTheVelocities) {
       mount.linear() = Eigen::AngleAxisd(M_PI, Vector3d::UnitX()).toRotationMatrix();
       for (DopplerReturn& r : seen) {
         r.bearing.y() *= -1.F;
-        r.across *= -1.F;
+        r.tangential_speed *= -1.F;
       }
     }
     RadarScan scan{&seen, mount, 0.0, nullptr};

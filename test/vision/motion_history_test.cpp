@@ -140,7 +140,7 @@ TEST(Belief, LogOddsAreStandardDeviationsAboveTheThreshold) {
   const cv::Mat odds = logOdds(result);
   EXPECT_FLOAT_EQ(odds.at<float>(45, 110),
                   result.score.at<float>(45, 110) - static_cast<float>(result.threshold));
-  EXPECT_EQ(odds.at<float>(12, 12), kMostBelief);
+  EXPECT_EQ(odds.at<float>(12, 12), kMaxLogOdds);
   EXPECT_TRUE(std::isnan(odds.at<float>(0, 0)));
   EXPECT_LT(odds.at<float>(100, 20), -3.0F);
 }

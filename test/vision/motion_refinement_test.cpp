@@ -149,7 +149,7 @@ TEST(RefineMotion, FindsThePitchOfTheGroundAhead) {
   ASSERT_TRUE(refined.ground);
   EXPECT_NEAR(refined.ground->pitch, 0.015, 0.004);
   EXPECT_NEAR(refined.ground->height, 0.02, 0.03);
-  const cv::Mat depth = exchangeGround(input.depth, kCamera, flat(), *refined.ground, 30.0);
+  const cv::Mat depth = replaceGroundDepth(input.depth, kCamera, flat(), *refined.ground, 30.0);
   const cv::Mat wanted = groundDepth(kCamera, mount(), 0.02, 0.015, 30.0);
   EXPECT_NEAR(depth.at<float>(200, 100), wanted.at<float>(200, 100), 0.25);
   EXPECT_FLOAT_EQ(depth.at<float>(10, 10), 30.0F);  // a house is no ground
@@ -168,7 +168,7 @@ TEST(RefineMotion, GroundThatTheImageHasSeenIsMoreCertain) {
   EXPECT_EQ(refined.ground_uncertainty.relative_std, before.relative_std);
 
   const cv::Mat stds(input.depth.size(), CV_32FC1, cv::Scalar(0.5));
-  const cv::Mat exchanged = exchangeGroundStd(stds, input.depth, kCamera, flat(), refined);
+  const cv::Mat exchanged = replaceGroundStd(stds, input.depth, kCamera, flat(), refined);
   const cv::Mat wanted = groundRelativeStd(kCamera, mount(), refined.ground->height, refined.ground->pitch,
                                            refined.ground_uncertainty);
   EXPECT_FLOAT_EQ(exchanged.at<float>(200, 100), wanted.at<float>(200, 100));

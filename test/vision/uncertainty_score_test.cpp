@@ -279,11 +279,11 @@ TEST(UncertaintyScore, LooksAtTheNoiseOfEveryPixel) {
   MotionParams params = exactModel();
   MotionInput input = wall();
   move(input, {250, 110, 20, 20}, {0.0F, 6.0F});
-  input.flow_closure = cv::Mat(240, 320, CV_32FC1, cv::Scalar(0.0));
+  input.fb_error = cv::Mat(240, 320, CV_32FC1, cv::Scalar(0.0));
   input.depth_std = cv::Mat(240, 320, CV_32FC1, cv::Scalar(0.05));
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 400);
-  params.closure_weight = 1.0;
-  input.flow_closure(cv::Rect(250, 110, 20, 10)).setTo(10.0);
+  params.fb_error_weight = 1.0;
+  input.fb_error(cv::Rect(250, 110, 20, 10)).setTo(10.0);
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
   move(input, {250, 120, 20, 10}, {6.0F, -6.0F});  // now along the direction of depth
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
@@ -364,8 +364,8 @@ TEST(UncertaintyScore, ParametersThatMakeNoSenseAreRefused) {
   refused([](MotionParams& p) { p.min_scale = 0.0; }, "min_scale");
   refused([](MotionParams& p) { p.static_gain = -1.0; }, "static_gain");
   MotionInput input = wall();
-  input.flow_closure = cv::Mat(4, 4, CV_32FC1);
-  test::expectRefusal<std::invalid_argument>([&] { MotionSegmenter().segment(input); }, {"flow_closure"});
+  input.fb_error = cv::Mat(4, 4, CV_32FC1);
+  test::expectRefusal<std::invalid_argument>([&] { MotionSegmenter().segment(input); }, {"fb_error"});
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ struct DepthReport {
 /// Evaluates the keyframe images of one scene.
 /// @throws NoImages (segmentation_evaluation.h) where there are none, or none on disk,
 ///         dataset::DatasetError for missing or unreadable files, and std::invalid_argument for options that
-///         make no sense.
+///         are invalid.
 DepthReport evaluateDepth(const dataset::Tables& tables, dataset::Index scene,
                           const DepthEvaluationOptions& options = {});
 

@@ -125,7 +125,7 @@ class NoRadarFiles : public dataset::DatasetError {
 ///         for unreadable files, a correction
 ///         for a radar the scene does not have, keyframes out of order, or poses that do not cover them, and
 ///         for a folder of masks without one of the scene; std::invalid_argument for a limit on the masks'
-///         age that makes no sense.
+///         age that is invalid.
 VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, dataset::Index scene,
                                    const VelocityEvaluationOptions& options = {});
 

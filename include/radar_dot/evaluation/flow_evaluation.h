@@ -53,7 +53,7 @@ struct FlowReport {
 /// Evaluates the pairs of one scene of a simulated dataroot. Pixels that leave the second image or are
 /// occluded in it take no part; what the images of the truth call moving counts as moving.
 /// @throws NoImages (segmentation_evaluation.h) where there is no pair on disk, dataset::DatasetError for
-///         missing or unreadable files, and std::invalid_argument for options that make no sense.
+///         missing or unreadable files, and std::invalid_argument for invalid options.
 FlowReport evaluateFlow(const dataset::Tables& tables, dataset::Index scene,
                         const FlowEvaluationOptions& options = {});
 
@@ -66,7 +66,7 @@ struct FlowPairFiles {
 /// truth take part; which ones move is not known. The time is that of a first call. The report is called as
 /// the first image, without ending.
 /// @throws dataset::DatasetError naming a file that cannot be read or is of another size than the first
-///         image, and std::invalid_argument for params that make no sense: one pair has no flow to start
+///         image, and std::invalid_argument for invalid params: one pair has no flow to start
 ///         from.
 FlowReport evaluateFlow(const FlowPairFiles& files, const OpticalFlowParams& params);
 

@@ -47,12 +47,12 @@ struct FlowErrors {
     std::array<std::uint64_t, kBinsPerOctave * kOctaves + 2> bins_{};
   };
   Group all;
-  Group still;   ///< pixels that do not move by themselves
+  Group still;   ///< pixels that do not move independently
   Group moving;  ///< pixels that do
 
   /// Adds one picture. Pixels whose true flow is not valid take no part.
   /// @param estimate,truth  on one grid, px of the grid; a flow that is not finite is as one not valid
-  /// @param movers  CV_8UC1 of the grid, not 0 = moves by itself; empty: not known, counts in `all` only
+  /// @param movers  CV_8UC1 of the grid, not 0 = moves independently; empty: not known, counts in `all` only
   /// @param image   px, size of the full image
   /// @throws std::invalid_argument for other types or sizes, or an image without pixels.
   void add(const FlowField& estimate, const FlowField& truth, const cv::Mat& movers, const cv::Size& image);

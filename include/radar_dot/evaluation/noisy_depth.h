@@ -21,7 +21,7 @@ struct NoisyDepthParams {
 
 /// True depth (CV_32FC1, m, NaN = unknown) with a smooth multiplicative error, edges that bleed, and holes.
 /// What is unknown stays so. Same seed, same errors.
-/// @throws std::invalid_argument for an image of another type, or parameters that make no sense.
+/// @throws std::invalid_argument for an image of another type, or invalid parameters.
 cv::Mat noisyDepth(const cv::Mat& true_depth, const NoisyDepthParams& params, std::uint64_t seed);
 
 /// 1 sigma of the inverse of a noisy depth, share of it, by its true model: relative_std (depth /

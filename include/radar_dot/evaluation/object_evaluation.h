@@ -125,7 +125,7 @@ struct ObjectReport {
 /// and a track in the region by any mover.
 /// @throws NoRadarFiles and dataset::DatasetError as evaluateEgoVelocity, the latter also naming the folder
 ///         where it holds no mask of the scene, or an image without depth; std::invalid_argument for
-///         parameters that make no sense.
+///         invalid parameters.
 ObjectReport evaluateObjects(const dataset::Tables& tables, dataset::Index scene,
                              const ObjectEvaluationOptions& options = {});
 

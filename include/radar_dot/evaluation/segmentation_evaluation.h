@@ -59,7 +59,7 @@ struct SegmentationEvaluationOptions {
   /// For the score by uncertainty, and for `refine`.
   bool depth_uncertainty = false;
   /// The first image is also seen together with the one before it (MotionSegmenter::segment): the keyframe
-  /// before, or with pairs "next" the image before. Needs a flow backend and the score by uncertainty.
+  /// before, or with pairs "next" the previous image. Needs a flow backend and the score by uncertainty.
   bool look_back = false;
   /// s, after which a belief is worth 1 / e: what the latest mask says of a pixel is carried to the next one
   /// (carriedBelief), where the latest pair ends with the first image of the next. 0 = off. Needs a flow

@@ -18,7 +18,7 @@ struct MaskRegionParams {
   double relative_depth_std = 0.15;  ///< 1 sigma of the depth, as a share of it
   double flow_std = 1.0;             ///< px, 1 sigma of the median flow residual
 };
-/// @throws std::invalid_argument naming the parameter that makes no sense.
+/// @throws std::invalid_argument naming the invalid parameter.
 void validate(const MaskRegionParams& params);
 
 /// The connected regions (8 neighbours) of a mask of moving pixels, as input of detectObjects.

@@ -72,7 +72,7 @@ struct DetectionParams {
   /// region.
   double region_gate = 3.0;
 };
-/// @throws std::invalid_argument naming the parameter that makes no sense.
+/// @throws std::invalid_argument naming the invalid parameter.
 void validate(const DetectionParams& params);
 
 /// Groups dynamic returns, and the regions of a mask of the same time, into objects. Returns are neighbours

@@ -28,7 +28,7 @@ struct ObjectTrackerParams {
   /// s, a track lives without any detection as long as it has been followed before, within these.
   double min_coast = 0.25;
   double max_coast = 0.8;
-  double max_weak_time = 1.0;  ///< s, a track lives on detections that do not move by themselves
+  double max_weak_time = 1.0;  ///< s, a track lives on detections that do not move independently
 
   /// Large bodies give several detections, and large bodies are fast. One body reaches from a track, along
   /// its heading, as far as it moves in body_time, within the two lengths, and across as far as its width
@@ -44,7 +44,7 @@ struct ObjectTrackerParams {
   double max_lag = 0.2;    ///< s, by which a scan may be older than the newest
   double min_speed = 0.5;  ///< m/s; slower tracks are not reported as moving
 };
-/// @throws std::invalid_argument naming the parameter that makes no sense.
+/// @throws std::invalid_argument naming the invalid parameter.
 void validate(const ObjectTrackerParams& params);
 
 /// An object followed over time, in a world-fixed frame (odom). Covariance of [position, velocity].
@@ -52,7 +52,7 @@ struct ObjectTrack {
   std::uint64_t id = 0;      ///< from 1, never used again
   double time = 0.0;         ///< s, the state holds at
   double birth = 0.0;        ///< s
-  double last_hit = 0.0;     ///< s, of the latest detection, whether or not it moves by itself
+  double last_hit = 0.0;     ///< s, of the latest detection, whether or not it moves independently
   double last_moving = 0.0;  ///< s, of the latest one that does
   Eigen::Vector4d state = Eigen::Vector4d::Zero();           ///< [x, y, vx, vy], m and m/s, odom frame
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  ///< of `state`

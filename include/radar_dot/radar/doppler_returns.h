@@ -22,7 +22,7 @@ struct DopplerReturn {
   float doppler = 0.F;                                 ///< range rate, m/s: positive when the range grows
   /// m/s, of the reported velocity vector across the bearing, positive to its left; 0 where the cloud gives
   /// a range rate alone.
-  float across = 0.F;
+  float tangential_speed = 0.F;
   std::uint32_t index = 0;  ///< record in the cloud it came from
 };
 

@@ -72,7 +72,7 @@ struct EgoVelocityParams {
   SegmentationParams segmentation;
 };
 
-/// @throws std::invalid_argument naming the parameter that makes no sense.
+/// @throws std::invalid_argument naming the invalid parameter.
 void validate(const EgoVelocityParams& params);
 
 /// One scan of one radar, ready for the estimator. The returns stay with the caller.
@@ -145,7 +145,7 @@ struct EgoVelocityResult {
 /// Not thread-safe; keeps its memory between calls, so that a steady stream does not allocate.
 class EgoVelocityEstimator {
  public:
-  /// @throws std::invalid_argument naming the parameter that makes no sense.
+  /// @throws std::invalid_argument naming the invalid parameter.
   explicit EgoVelocityEstimator(EgoVelocityParams params = {});
   ~EgoVelocityEstimator();
   EgoVelocityEstimator(EgoVelocityEstimator&&) noexcept;

@@ -30,7 +30,7 @@ class VelocityIntegrator {
     double distance = 0.0;                                                         ///< m, length of the path
   };
 
-  /// Starts anew at the given pose; the next velocity only sets the clock.
+  /// Restarts at the given pose; the next velocity only sets the clock.
   void reset(const Eigen::Isometry3d& T_odom_from_base = Eigen::Isometry3d::Identity());
 
   /// Adds a velocity measured at `time` (s). Between two calls the velocity is taken as linear.
@@ -59,7 +59,7 @@ class VelocityIntegrator {
 class AccelerationTracker {
  public:
   explicit AccelerationTracker(double window = 0.5) : window_(window) {}
-  /// Adds a velocity (m/s, base frame) at `time` (s). Going back in time starts anew.
+  /// Adds a velocity (m/s, base frame) at `time` (s). Going back in time resets it.
   void add(double time, const Eigen::Vector3d& linear);
   /// m/s^2, base frame, near `time`; zero until three velocities cover a quarter of the window, when
   /// the newest is older than the window, or when the slope is beyond what tyres can do (kMaxAcceleration).

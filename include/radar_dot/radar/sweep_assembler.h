@@ -13,7 +13,7 @@ namespace radar_dot {
 struct SweepParams {
   double window = 0.1;        ///< s, age of the oldest scan of a sweep relative to its newest
   double silent_after = 0.5;  ///< s without a scan, after which a radar is not waited for
-  double reset_after = 1.0;   ///< s, a step back in a radar's stamps that starts everything anew
+  double reset_after = 1.0;   ///< s, a step back in a radar's stamps that resets everything
 };
 
 /// One scan waiting for its sweep.

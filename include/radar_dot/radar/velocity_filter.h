@@ -37,11 +37,11 @@ struct VelocityFilterParams {
   /// Measurements that are closer in time count accordingly less.
   double error_correlation_time = 0.15;
 
-  int max_rejected = 5;  ///< updates in a row that contradict the filter; then it starts anew
-  double max_gap = 1.0;  ///< s without an update, after which it starts anew
+  int max_rejected = 5;  ///< updates in a row that contradict the filter; then it resets
+  double max_gap = 1.0;  ///< s without an update, after which it resets
 };
 
-/// @throws std::invalid_argument naming the parameter that makes no sense.
+/// @throws std::invalid_argument naming the invalid parameter.
 void validate(const VelocityFilterParams& params);
 
 /// Causal Kalman filter over the velocity estimates of a vehicle's radars.
@@ -65,7 +65,7 @@ void validate(const VelocityFilterParams& params);
 /// form.
 ///
 /// An update in which more measurements were refused than used is rejected. After max_rejected of them in a
-/// row, or a gap, the filter starts anew from the estimate at hand and keeps what it learnt of the mounts.
+/// row, or a gap, the filter restarts from the estimate at hand and keeps what it learnt of the mounts.
 ///
 /// Bar-Shalom, Li, Kirubarajan: Estimation with Applications to Tracking and Navigation, 2001, chapters 5
 /// and 6.
@@ -87,7 +87,7 @@ class VelocityFilter {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();    ///< of `velocity`
   };
 
-  /// @throws std::invalid_argument naming the parameter that makes no sense.
+  /// @throws std::invalid_argument naming the invalid parameter.
   explicit VelocityFilter(const VelocityFilterParams& params = {});
 
   /// A velocity [vx, vy, w] at `time` (s) and its covariance.

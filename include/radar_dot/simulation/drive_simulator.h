@@ -52,7 +52,7 @@ using DriveProgress = std::function<void(std::size_t done, std::size_t total)>;
 /// Drives through a scenario and writes what its sensors see under `folder`: samples/, sweeps/ and
 /// ground_truth/. Returns everything the tables need.
 /// @param number  of the scene in its dataset, from 0: gives its time stamps
-/// @throws std::invalid_argument for options that make no sense, dataset::DatasetError for files that
+/// @throws std::invalid_argument for invalid options, dataset::DatasetError for files that
 ///         cannot be written, whatever `progress` throws
 dataset::NewScene simulateDrive(const Scenario& scenario, const DriveOptions& options, std::size_t number,
                                 const std::filesystem::path& folder, const DriveProgress& progress = {});

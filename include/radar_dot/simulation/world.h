@@ -14,7 +14,7 @@
 
 namespace radar_dot::simulation {
 
-/// Something that stands for ever: road, house, tree, pole.
+/// A static object: road, house, tree, pole.
 struct StaticObject {
   std::shared_ptr<const Mesh> mesh;
   Eigen::Isometry3d T_map_from_object = Eigen::Isometry3d::Identity();

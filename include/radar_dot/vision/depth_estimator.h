@@ -40,7 +40,7 @@ struct GroundUncertainty {
 struct DepthParams {
   std::string backend = "radar_ground";  ///< "radar_ground"; "lidar"; "torch", a network; or a registered one
   double max_depth = 120.0;              ///< m; farther is unknown
-  /// 1 sigma of the inverse depth, share of it, of a backend that knows nothing better: "torch", and depth of
+  /// 1 sigma of the inverse depth, share of it, of a backend that knows nothing better: "torch", and external
   /// somebody else.
   double relative_std = 0.1;
 
@@ -97,7 +97,7 @@ cv::Mat constantStd(const cv::Mat& depth, double relative_std);
 
 /// Makes the backend `params.backend`. One that is not registered is looked for in the shared library
 /// `libradar_dot_backend_<name>.so`, beside this one or where the loader looks, which registers it.
-/// @throws std::invalid_argument for parameters that make no sense, or a backend that is not there, with the
+/// @throws std::invalid_argument for invalid parameters, or a backend that is not there, with the
 ///         names of those that are.
 std::unique_ptr<DepthEstimator> makeDepthEstimator(const DepthParams& params = {});
 

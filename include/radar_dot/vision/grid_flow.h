@@ -9,7 +9,7 @@
 namespace radar_dot {
 
 /// What a backend of dense flow need not do again: it checks the images and brings them to a grid, starts
-/// from the flow of the pair before or from an expected one, computes the way back, and gives its result on
+/// from the flow of the previous pair or from an expected one, computes the way back, and gives its result on
 /// the grid that `working_width` asks for. A backend says which grid it computes on, and computes.
 class GridFlow : public OpticalFlow {
  public:
@@ -36,7 +36,7 @@ class GridFlow : public OpticalFlow {
 
   OpticalFlowParams params_;
   Images images_;
-  cv::Mat previous_;  // flow of the pair before, on the grid
+  cv::Mat previous_;  // flow of the previous pair, on the grid
 };
 
 }  // namespace radar_dot

@@ -11,20 +11,20 @@ namespace radar_dot {
 /// A pair of images looked at from its second one: depths exchanged, the motion and its covariance inverted.
 /// Points, their noise and a belief, which belong to the first image, are left out.
 /// @param flow     CV_32FC2, px of the grid, from the second image to the first
-/// @param closure  CV_32FC1, px, its gap; or empty
-MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const cv::Mat& closure);
+/// @param fb_error  CV_32FC1, px, its gap; or empty
+MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const cv::Mat& fb_error);
 
-/// The first image of a pair, seen together with the image before it: the pair that ended with it, seen from
+/// The first image of a pair, seen together with the previous image: the pair that ended with it, seen from
 /// its second image, with all that belongs to the image itself as in `pair`. For MotionSegmenter::segment.
-MotionInput seenWithTheImageBefore(const MotionInput& pair, const MotionInput& pair_before,
-                                   const cv::Mat& flow_back, const cv::Mat& closure);
+MotionInput previousPairFromFirst(const MotionInput& pair, const MotionInput& pair_before,
+                                   const cv::Mat& flow_back, const cv::Mat& fb_error);
 
 /// Neither one pair nor all pairs before together say more than these odds, e^6. With the default
 /// MotionParams::seed that carries regions on, but starts none: what is seen now must say so, too.
-constexpr float kMostBelief = 6.0F;
+constexpr float kMaxLogOdds = 6.0F;
 
 /// Log-odds that a pixel moves, after a pair by the score by uncertainty: how far its score is above the
-/// threshold, in standard deviations, within +-kMostBelief. Errors of flow have tails that fall like an
+/// threshold, in standard deviations, within +-kMaxLogOdds. Errors of flow have tails that fall like an
 /// exponential, whose logarithm is linear. CV_32FC1, NaN where excluded.
 cv::Mat logOdds(const MotionResult& result);
 

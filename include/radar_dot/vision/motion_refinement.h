@@ -30,7 +30,7 @@ Eigen::Matrix<double, 6, 6> baseMotionCovariance(const MotionUncertainty& uncert
 struct RefinementParams {
   double flow_std = 2.0;            ///< px, of each component of a flow
   double flow_std_relative = 0.03;  ///< share of the flow's length, on top
-  double closure_weight = 0.3;      ///< share of the gap between flow there and back, where that is known
+  double fb_error_weight = 0.3;      ///< weight of the forward-backward error, where available
   double depth_std = 0.3;           ///< share of the inverse depth, where MotionInput::depth_std does not say
   /// The same of the ground plane, whatever MotionInput::depth_std says: what it says of pitch and height is
   /// in the two below, which are estimated.
@@ -45,7 +45,7 @@ struct RefinementParams {
   int stride = 16;     ///< px, between the pixels that are looked at
   int iterations = 8;  ///< of reweighted least squares
 };
-/// @throws std::invalid_argument naming the parameter that makes no sense.
+/// @throws std::invalid_argument naming the invalid parameter.
 void validate(const RefinementParams& params);
 
 /// The ground plane that a part of MotionInput::depth shows (groundDepth).
@@ -81,13 +81,13 @@ RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundP
                            const RefinementParams& params = {});
 
 /// Depth whose pixels of one ground plane are those of another. @param max_depth  m, farther is unknown
-cv::Mat exchangeGround(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
+cv::Mat replaceGroundDepth(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
                        const GroundPlane& refined, double max_depth);
 
 /// The uncertainty of that depth (share of the inverse depth, CV_32FC1): where `depth` shows the drawn
 /// ground, that of the refined one, else as in `relative_std`. @param depth  m, before its ground is
 /// exchanged
-cv::Mat exchangeGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
+cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
                           const GroundPlane& drawn, const RefinedMotion& refined);
 
 /// A pair with its motion refined (refineMotion): motion, covariance, and where the ground is given, both

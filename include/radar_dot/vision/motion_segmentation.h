@@ -37,7 +37,7 @@ struct MotionParams {
   // Score by uncertainty, 1 sigma each
   double flow_std = 2.0;            ///< px, of each component of a flow
   double flow_std_relative = 0.03;  ///< share of the flow's length, on top
-  double closure_weight = 0.2;      ///< share of the gap between flow there and back, where that is known
+  double fb_error_weight = 0.2;      ///< weight of the forward-backward error, where available
   double depth_std = 0.2;           ///< share of the inverse depth, where MotionInput::depth_std does not say
   double next_depth_std = 0.5;      ///< share of the depth, of a depth seen in the second image
   /// Probability that a static pixel is above the threshold, were the uncertainties exact. What they leave
@@ -70,7 +70,7 @@ struct MotionParams {
   /// + this; 0 = off.
   double static_gain = 0.0;
 };
-/// @throws std::invalid_argument naming the parameter that makes no sense.
+/// @throws std::invalid_argument naming the invalid parameter.
 void validate(const MotionParams& params);
 
 /// One pair of images, at t-1 and t, on one grid. Seen from the second image (motion_history.h) t is the
@@ -81,8 +81,8 @@ struct MotionInput {
   Eigen::Isometry3d T_current_from_previous = Eigen::Isometry3d::Identity();  ///< staticPointMotion, m
   cv::Mat flow;        ///< CV_32FC2, px of the grid, from t-1 to t; NaN = unknown
   cv::Mat flow_valid;  ///< CV_8UC1, 0 = unreliable; empty: all are reliable
-  /// CV_32FC1, px of the grid: the gap between flow there and back; empty or NaN: not known
-  cv::Mat flow_closure;
+  /// CV_32FC1, px of the grid: the forward-backward error; empty or NaN: not known
+  cv::Mat fb_error;
   cv::Mat depth;  ///< CV_32FC1, m, at t-1 (the paper's D_{t-1}); NaN, 0 or less = unknown
   /// CV_32FC1, 1 sigma of the inverse depth at t-1, share of it; empty, NaN or negative: MotionParams
   cv::Mat depth_std;
@@ -100,7 +100,7 @@ struct MotionInput {
 
 /// Outcome of one pair, on the grid of the input. The images belong to the segmenter until its next call.
 struct MotionResult {
-  cv::Mat mask;   ///< CV_8UC1, 255 = moves by itself
+  cv::Mat mask;   ///< CV_8UC1, 255 = moves independently
   cv::Mat valid;  ///< CV_8UC1, 255 = took part, 0 = excluded: no depth or flow, out of view, occluded
   cv::Mat score;  ///< CV_32FC1, S, or standard deviations from static; NaN where excluded
   double median_depth = 0.0;  ///< m, the paper's Z~
@@ -114,7 +114,7 @@ struct MotionResult {
 /// The paper's dynamic mask in one fused pass over the image, on all cores TBB gives.
 ///
 /// A static point at depth D under pixel p of frame t-1 appears at p' in frame t. Where the flow leads
-/// elsewhere, or the depth found at p' is another one, the pixel moves by itself: its score
+/// elsewhere, or the depth found at p' is another one, the pixel moves independently: its score
 ///     S = e_flow / sigma_flow + lambda e_depth / sigma_depth
 /// lies above median(S) + k MAD(S). The terms are in motion_terms.h. Where D_t is unknown at p' there is no
 /// depth residual, and the flow decides alone. Pixels without depth or reliable flow, those whose flow leaves

@@ -17,9 +17,9 @@ struct FlowField {
   cv::Mat
       flow;  ///< CV_32FC2, px OF THIS GRID: pixel (u, v) of the first image is at (u, v) + flow in the second
   cv::Mat valid;  ///< CV_8UC1 of the same size, 255 = reliable; empty: everything is
-  /// CV_32FC1, px OF THIS GRID: gap between flow there and back, NaN where it leaves the image. Empty without
+  /// CV_32FC1, px OF THIS GRID: forward-backward error of the flow, NaN where it leaves the image. Empty without
   /// forward_backward.
-  cv::Mat closure = {};
+  cv::Mat fb_error = {};
   /// CV_32FC2, px OF THIS GRID: from the second image to the first. Empty without forward_backward.
   cv::Mat backward = {};
 };
@@ -33,7 +33,7 @@ struct OpticalFlowParams {
   /// "ultrafast", "fast", "medium": OpenCV's; "fine": finest scale 0, patch stride 3, 50 gradient-descent
   /// and 10 variational iterations, three to six times as slow, with 0.6 to 0.8 of the error.
   std::string preset = "medium";
-  /// "none"; "temporal": starts from the flow of the pair before, for streams of images;
+  /// "none"; "temporal": starts from the flow of the previous pair, for streams of images;
   /// "expected": starts from the flow given as `expected`, for motion too large to be found from nothing.
   std::string initialisation = "none";
   /// Also computes the flow back, and marks pixels as not valid where the two do not close. Doubles the time.
@@ -51,7 +51,7 @@ struct OpticalFlowParams {
 };
 
 /// Dense optical flow between two images of equal size, CV_8UC3 (BGR) or CV_8UC1. Not thread-safe; may keep
-/// state of the pair before.
+/// state of the previous pair.
 class OpticalFlow {
  public:
   virtual ~OpticalFlow() = default;
@@ -62,13 +62,13 @@ class OpticalFlow {
   /// under 32 px.
   virtual FlowField compute(const cv::Mat& first, const cv::Mat& second, const cv::Mat& expected) = 0;
   FlowField compute(const cv::Mat& first, const cv::Mat& second) { return compute(first, second, {}); }
-  /// Forgets the pair before.
+  /// Forgets the previous pair.
   virtual void reset() {}
 };
 
 /// Makes the backend `params.backend`. One that is not registered is looked for in the shared library
 /// `libradar_dot_backend_<name>.so`, beside this one or where the loader looks, which registers it.
-/// @throws std::invalid_argument for parameters that make no sense, or a backend that is not there, with the
+/// @throws std::invalid_argument for invalid parameters, or a backend that is not there, with the
 ///         names of those that are.
 std::unique_ptr<OpticalFlow> makeOpticalFlow(const OpticalFlowParams& params = {});
 
@@ -87,7 +87,7 @@ FlowField backwardField(const FlowField& field, const OpticalFlowParams& params)
 cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
                              double relative);
 
-/// Both of FlowField: `valid` as forwardBackwardValid, and `closure`, |f(p) + b(p + f(p))|, CV_32FC1, px, NaN
+/// Both of FlowField: `valid` as forwardBackwardValid, and `fb_error`, |f(p) + b(p + f(p))|, CV_32FC1, px, NaN
 /// where the flow leaves the image, or is not finite.
 void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double absolute, double relative);
 

@@ -49,14 +49,14 @@ class SavedMasks {
 };
 
 /// Estimates of every sweep of a scene in time order.
-struct EstimatedSweeps {
+struct SweepVelocities {
   std::vector<EstimatedVelocity> velocities;
   std::vector<EstimatedVelocity> filtered;  ///< of the same sweeps; empty without the filter
   std::size_t count = 0, refused = 0;
   std::size_t filter_rejected = 0, filter_starts = 0;
 };
 
-EstimatedSweeps estimateSweeps(const RadarScene& scene, const VelocityEvaluationOptions& options,
+SweepVelocities sweepVelocities(const RadarScene& scene, const VelocityEvaluationOptions& options,
                                SavedMasks& masks);
 
 }  // namespace radar_dot::evaluation

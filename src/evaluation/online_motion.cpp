@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "causal_motion.h"
+#include "online_motion.h"
 
 #include <cstddef>
 #include <utility>
@@ -14,7 +14,7 @@ constexpr double kMaxVelocityAge = 0.5;  // s
 
 }  // namespace
 
-CausalMotion::CausalMotion(std::vector<EstimatedVelocity> velocities) : velocities_(std::move(velocities)) {
+OnlineMotion::OnlineMotion(std::vector<EstimatedVelocity> velocities) : velocities_(std::move(velocities)) {
   VelocityIntegrator integrator;
   integrator.reset();
   for (const EstimatedVelocity& velocity : velocities_) {
@@ -23,13 +23,13 @@ CausalMotion::CausalMotion(std::vector<EstimatedVelocity> velocities) : velociti
   }
 }
 
-std::optional<EstimatedVelocity> CausalMotion::velocityAt(double time) const {
+std::optional<EstimatedVelocity> OnlineMotion::velocityAt(double time) const {
   const EstimatedVelocity* latest = latestAt(velocities_, time);
   if (latest == nullptr || time - latest->time > kMaxVelocityAge) return std::nullopt;
   return latest->broughtTo(time);
 }
 
-Eigen::Isometry3d CausalMotion::poseAt(double time) const {
+Eigen::Isometry3d OnlineMotion::poseAt(double time) const {
   const EstimatedVelocity* latest = latestAt(velocities_, time);
   if (latest == nullptr) return Eigen::Isometry3d::Identity();
   const Eigen::Isometry3d& pose = poses_[static_cast<std::size_t>(latest - velocities_.data())];

@@ -6,16 +6,16 @@
 #include <optional>
 #include <vector>
 
-#include "estimated_sweeps.h"
+#include "sweep_velocities.h"
 #include "radar_dot/evaluation/trajectory.h"
 
 namespace radar_dot::evaluation {
 
 /// The motion of the vehicle as it knows it itself at any time: the latest velocity at or before it, and the
 /// path that the velocities add up to.
-class CausalMotion {
+class OnlineMotion {
  public:
-  explicit CausalMotion(std::vector<EstimatedVelocity> velocities);
+  explicit OnlineMotion(std::vector<EstimatedVelocity> velocities);
 
   /// Velocity brought to `time`; nothing where the latest is too old.
   std::optional<EstimatedVelocity> velocityAt(double time) const;

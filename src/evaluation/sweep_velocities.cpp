@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "estimated_sweeps.h"
+#include "sweep_velocities.h"
 
 #include <algorithm>
 #include <iterator>
@@ -46,7 +46,7 @@ class SweepFilter {
       : with_radars_(options.filter_radars), filter_(options.filter_params) {}
 
   void add(double time, const std::vector<RadarScan>& scans, const EgoVelocityResult& result,
-           EstimatedSweeps& sweeps) {
+           SweepVelocities& sweeps) {
     std::vector<SensorVelocity> sensors;
     if (with_radars_) sensors = sensorVelocities(scans, result);
     switch (filter_.update(time, result, sensors)) {
@@ -125,9 +125,9 @@ void SavedMasks::mark(std::vector<RadarScan>& scans, const std::vector<Estimated
       scans, [this](double scan_time) { return folder_->before(scan_time); }, *latest);
 }
 
-EstimatedSweeps estimateSweeps(const RadarScene& scene, const VelocityEvaluationOptions& options,
+SweepVelocities sweepVelocities(const RadarScene& scene, const VelocityEvaluationOptions& options,
                                SavedMasks& masks) {
-  EstimatedSweeps sweeps;
+  SweepVelocities sweeps;
   EgoVelocityEstimator estimator(options.estimator);
   AccelerationTracker tracker;
   SweepFilter filter(options);
