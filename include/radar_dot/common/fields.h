@@ -1,0 +1,235 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "radar_dot/common/enum_names.h"
+
+// The one declaration of a parameter. A struct of parameters lists its members once:
+//
+//     struct SweepParams {
+//       double window = 0.1;
+//       void describe(FieldList& fields) {
+//         fields.add("window", window, "Age of the oldest scan of a sweep relative to its newest", "s",
+//         {0.001, 10.0});
+//       }
+//     };
+//
+// The default is the member's initialiser and the range is the range of validity. Validation, command-line
+// options, YAML, JSON, dynamic_reconfigure, documentation and comparison are all derived from the list.
+
+namespace radar_dot {
+
+/// A parameter, or several that do not go together, refused. what() names them, and what is valid.
+class InvalidParameter : public std::invalid_argument {
+ public:
+  InvalidParameter(std::vector<std::string> names, const std::string& what)
+      : std::invalid_argument(what), names_(std::move(names)) {}
+  const std::vector<std::string>& names() const noexcept { return names_; }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+/// Valid numbers, both ends included.
+struct Range {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+};
+
+enum class FieldType { kBool, kInt, kDouble, kText, kEnum, kIntList, kTextList };
+
+/// The value of a field, by its type: an enum as its name, an optional number that is not set as monostate.
+using FieldValue = std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<int>,
+                                std::vector<std::string>>;
+
+/// As in a configuration file: "0.5", "true", "0, 4". Numbers are read back exactly.
+std::string toText(const FieldValue& value);
+
+/// One parameter of one object, which must outlive it.
+struct Field {
+  const char* name = "";  ///< ROS parameter, YAML and JSON key; the option is "--" + name with '-' for '_'
+  const char* unit = "";
+  const char* text = "";   ///< one sentence
+  const char* group = "";  ///< heading under which it is listed
+  FieldType type = FieldType::kText;
+  Range range;
+  bool at_start = false;   ///< read once: not to be changed while the nodelet runs
+  bool live_only = false;  ///< without effect on evaluation, which reads files instead of topics
+  std::vector<std::pair<const char*, const char*>> choices;  ///< of an enum: name, text
+
+  const void* address = nullptr;  ///< of the member
+  std::function<FieldValue()> get;
+  std::function<void(const FieldValue&)> put;  ///< without a check
+
+  /// "between 0 and 1 m", "one of a, b": what is valid; empty: everything of its type.
+  std::string valid() const;
+  /// @throws InvalidParameter naming field, value and what is valid, also for another type
+  void check(const FieldValue& value) const;
+  /// Checked. An integer is accepted for a real number.
+  void set(const FieldValue& value) const;
+  /// From text as in toText; lists with or without brackets. @throws InvalidParameter
+  void setFromText(const std::string& text) const;
+};
+
+class FieldList;
+
+/// Parameters of named things: name -> parameters of each.
+struct FieldDictionary {
+  const char* name = "";
+  const char* text = "";
+  std::function<FieldList(const std::string& key)> entry;  ///< made where it does not exist
+  std::function<std::vector<std::string>()> keys;
+  std::function<void(const std::string& key)> erase;
+};
+
+/// The parameters of an object, in the order in which they are shown.
+class FieldList {
+ public:
+  enum Flags : unsigned { kNone = 0, kAtStart = 1, kLiveOnly = 2 };
+
+  /// Heading and flags of the fields that follow.
+  void group(const char* name, unsigned flags = kNone) {
+    group_ = name;
+    flags_ = flags;
+  }
+
+  template <typename Value>
+  void add(const char* name, Value& value, const char* text, const char* unit = "", Range range = {});
+
+  template <typename Entry>
+  void addDictionary(const char* name, std::map<std::string, Entry>& entries, const char* text);
+
+  std::vector<Field>::const_iterator begin() const { return fields_.begin(); }
+  std::vector<Field>::const_iterator end() const { return fields_.end(); }
+  std::size_t size() const { return fields_.size(); }
+  const std::vector<FieldDictionary>& dictionaries() const { return dictionaries_; }
+
+  /// Null where there is none.
+  const Field* find(std::string_view name) const;
+  /// The field that stands for a member. @throws std::logic_error where it is not listed
+  const Field& of(const void* member) const;
+  /// The known name most like an unknown one, for messages; empty: none is like it.
+  std::string nearestName(const std::string& unknown) const;
+
+ private:
+  std::vector<Field> fields_;
+  std::vector<FieldDictionary> dictionaries_;
+  const char* group_ = "";
+  unsigned flags_ = kNone;
+};
+
+template <typename Params>
+FieldList fieldsOf(Params& params) {
+  FieldList fields;
+  // Describing does not change an object; who holds a const one must not set its fields.
+  const_cast<std::remove_const_t<Params>&>(params).describe(fields);
+  return fields;
+}
+
+/// @throws InvalidParameter for the first field outside its range
+void checkFields(const FieldList& fields);
+template <typename Params>
+void validateFields(const Params& params) {
+  checkFields(fieldsOf(params));
+}
+
+bool sameValues(const FieldList& a, const FieldList& b);
+/// Are all parameters equal?
+template <typename Params>
+bool sameFields(const Params& a, const Params& b) {
+  return sameValues(fieldsOf(a), fieldsOf(b));
+}
+
+/// Rules between fields, which name them by the members of an object in `fields`.
+/// @throws InvalidParameter "min_range (5 m) must be smaller than max_range (2 m)"
+void requireLess(const FieldList& fields, const double& smaller, const double& larger);
+void requireNotMore(const FieldList& fields, const double& smaller, const double& larger);
+/// @throws InvalidParameter of these members with the text
+void require(bool condition, const FieldList& fields, const std::vector<const void*>& members,
+             const std::string& text);
+
+template <typename Value>
+void FieldList::add(const char* name, Value& value, const char* text, const char* unit, Range range) {
+  Field field;
+  field.name = name;
+  field.unit = unit;
+  field.text = text;
+  field.group = group_;
+  field.range = range;
+  field.at_start = (flags_ & kAtStart) != 0;
+  field.live_only = (flags_ & kLiveOnly) != 0;
+  field.address = &value;
+  if constexpr (std::is_same_v<Value, bool>) {
+    field.type = FieldType::kBool;
+    field.get = [&value] { return FieldValue(value); };
+    field.put = [&value](const FieldValue& given) { value = std::get<bool>(given); };
+  } else if constexpr (std::is_enum_v<Value>) {
+    field.type = FieldType::kEnum;
+    for (const EnumName<Value>& each : EnumNames<Value>::kValues)
+      field.choices.emplace_back(each.name, each.text);
+    field.get = [&value] { return FieldValue(std::string(toString(value))); };
+    field.put = [&value](const FieldValue& given) {
+      value = fromString<Value>(std::get<std::string>(given));
+    };
+  } else if constexpr (std::is_integral_v<Value>) {
+    field.type = FieldType::kInt;
+    // What every way of setting a parameter can carry.
+    constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+    field.range.lowest = std::max(range.lowest, std::is_unsigned_v<Value> ? 0.0 : -kMost);
+    field.range.highest = std::min(range.highest, kMost);
+    field.get = [&value] { return FieldValue(static_cast<std::int64_t>(value)); };
+    field.put = [&value](const FieldValue& given) {
+      value = static_cast<Value>(std::get<std::int64_t>(given));
+    };
+  } else if constexpr (std::is_same_v<Value, std::optional<double>>) {
+    field.type = FieldType::kDouble;
+    field.get = [&value] { return value ? FieldValue(*value) : FieldValue(); };
+    field.put = [&value](const FieldValue& given) {
+      const double* number = std::get_if<double>(&given);
+      value = number != nullptr ? std::optional<double>(*number) : std::nullopt;
+    };
+  } else {
+    constexpr bool kReal = std::is_same_v<Value, double>;
+    constexpr bool kInts = std::is_same_v<Value, std::vector<int>>;
+    constexpr bool kText = std::is_same_v<Value, std::string>;
+    static_assert(kReal || kInts || kText || std::is_same_v<Value, std::vector<std::string>>);
+    field.type = kReal   ? FieldType::kDouble
+                 : kInts ? FieldType::kIntList
+                 : kText ? FieldType::kText
+                         : FieldType::kTextList;
+    field.get = [&value] { return FieldValue(value); };
+    field.put = [&value](const FieldValue& given) { value = std::get<Value>(given); };
+  }
+  fields_.push_back(std::move(field));
+}
+
+template <typename Entry>
+void FieldList::addDictionary(const char* name, std::map<std::string, Entry>& entries, const char* text) {
+  FieldDictionary dictionary;
+  dictionary.name = name;
+  dictionary.text = text;
+  dictionary.entry = [&entries](const std::string& key) { return fieldsOf(entries[key]); };
+  dictionary.keys = [&entries] {
+    std::vector<std::string> keys;
+    for (const auto& [key, entry] : entries) keys.push_back(key);
+    return keys;
+  };
+  dictionary.erase = [&entries](const std::string& key) { entries.erase(key); };
+  dictionaries_.push_back(std::move(dictionary));
+}
+
+}  // namespace radar_dot

@@ -1,0 +1,303 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/common/fields.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+
+namespace radar_dot {
+namespace {
+
+std::string numberText(double number) {
+  if (std::isinf(number)) return number < 0.0 ? "-inf" : "inf";
+  const std::string text = fmt::format("{}", number);
+  const std::size_t end = text.size();
+  // Some versions of fmt write 1.0, others 1.
+  return end > 2 && text.compare(end - 2, 2, ".0") == 0 ? text.substr(0, end - 2) : text;
+}
+
+std::string withUnit(const std::string& text, const Field& field) {
+  return *field.unit == '\0' ? text : text + " " + field.unit;
+}
+
+const char* typeText(FieldType type) {
+  switch (type) {
+    case FieldType::kBool: return "true or false";
+    case FieldType::kInt: return "a whole number";
+    case FieldType::kDouble: return "a number";
+    case FieldType::kIntList: return "a list of whole numbers";
+    case FieldType::kTextList: return "a list of texts";
+    case FieldType::kText:
+    case FieldType::kEnum: break;
+  }
+  return "a text";
+}
+
+[[noreturn]] void refuse(const Field& field, const std::string& value, const std::string& valid) {
+  throw InvalidParameter({field.name}, fmt::format("{} is {}, must be {}", field.name, value, valid));
+}
+
+/// A value of another type that can stand for one of the field's type.
+FieldValue converted(const Field& field, const FieldValue& value) {
+  const auto* whole = std::get_if<std::int64_t>(&value);
+  if (whole != nullptr && field.type == FieldType::kDouble) return static_cast<double>(*whole);
+  if (whole != nullptr && field.type == FieldType::kIntList)
+    return std::vector<int>{static_cast<int>(*whole)};
+  const auto* text = std::get_if<std::string>(&value);
+  if (text != nullptr && field.type == FieldType::kTextList) return std::vector<std::string>{*text};
+  return value;
+}
+
+bool hasType(const Field& field, const FieldValue& value) {
+  switch (field.type) {
+    case FieldType::kBool: return std::holds_alternative<bool>(value);
+    case FieldType::kInt: return std::holds_alternative<std::int64_t>(value);
+    case FieldType::kDouble:
+      return std::holds_alternative<double>(value) || (std::holds_alternative<std::monostate>(value) &&
+                                                       std::holds_alternative<std::monostate>(field.get()));
+    case FieldType::kText:
+    case FieldType::kEnum: return std::holds_alternative<std::string>(value);
+    case FieldType::kIntList: return std::holds_alternative<std::vector<int>>(value);
+    case FieldType::kTextList: return std::holds_alternative<std::vector<std::string>>(value);
+  }
+  return false;
+}
+
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
+}
+
+std::vector<std::string> listItems(std::string text) {
+  text = trimmed(text);
+  if (text.size() >= 2 && text.front() == '[' && text.back() == ']') text = text.substr(1, text.size() - 2);
+  std::vector<std::string> items;
+  if (trimmed(text).empty()) return items;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    items.push_back(trimmed(text.substr(begin, comma - begin)));
+    begin = comma + 1;
+  }
+  return items;
+}
+
+std::optional<std::int64_t> wholeNumber(const std::string& text) {
+  char* end = nullptr;
+  errno = 0;
+  const long long number = std::strtoll(text.c_str(), &end, 10);
+  if (text.empty() || *end != '\0' || errno != 0) return std::nullopt;
+  return number;
+}
+
+std::optional<double> realNumber(const std::string& text) {
+  // YAML writes infinity with a dot.
+  if (text == ".inf" || text == "+.inf") return std::numeric_limits<double>::infinity();
+  if (text == "-.inf") return -std::numeric_limits<double>::infinity();
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0') return std::nullopt;
+  return number;
+}
+
+std::optional<bool> truth(const std::string& text) {
+  std::string lower = text;
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (lower == "true" || lower == "yes" || lower == "on" || lower == "1") return true;
+  if (lower == "false" || lower == "no" || lower == "off" || lower == "0") return false;
+  return std::nullopt;
+}
+
+std::size_t editDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t swap = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, swap});
+    }
+  }
+  return row.back();
+}
+
+std::string valueText(const Field& field) { return withUnit(toText(field.get()), field); }
+
+}  // namespace
+
+std::string toText(const FieldValue& value) {
+  struct Text {
+    std::string operator()(std::monostate) const { return ""; }
+    std::string operator()(bool is) const { return is ? "true" : "false"; }
+    std::string operator()(std::int64_t number) const { return std::to_string(number); }
+    std::string operator()(double number) const { return numberText(number); }
+    std::string operator()(const std::string& text) const { return text; }
+    std::string operator()(const std::vector<int>& list) const {
+      return fmt::format("{}", fmt::join(list, ", "));
+    }
+    std::string operator()(const std::vector<std::string>& list) const {
+      return fmt::format("{}", fmt::join(list, ", "));
+    }
+  };
+  return std::visit(Text(), value);
+}
+
+std::string Field::valid() const {
+  if (type == FieldType::kEnum) {
+    std::string names;
+    for (const auto& [choice, meaning] : choices) names += (names.empty() ? "" : ", ") + std::string(choice);
+    return "one of " + names;
+  }
+  constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+  const bool no_lowest = std::isinf(range.lowest) || range.lowest == -kMost;
+  const bool no_highest = std::isinf(range.highest) || range.highest == kMost;
+  if (no_lowest && no_highest) return {};
+  if (no_highest) return withUnit(numberText(range.lowest), *this) + " or more";
+  if (no_lowest) return withUnit(numberText(range.highest), *this) + " or less";
+  return withUnit(fmt::format("between {} and {}", numberText(range.lowest), numberText(range.highest)),
+                  *this);
+}
+
+void Field::check(const FieldValue& given) const {
+  const FieldValue value = converted(*this, given);
+  const std::string given_text = type == FieldType::kEnum ? "'" + toText(value) + "'" : toText(value);
+  if (!hasType(*this, value)) refuse(*this, "'" + toText(value) + "'", typeText(type));
+  const auto in_range = [this](double number) { return number >= range.lowest && number <= range.highest; };
+  bool is_valid = true;  // a comparison with NaN is false
+  if (const auto* number = std::get_if<double>(&value)) is_valid = in_range(*number);
+  if (const auto* number = std::get_if<std::int64_t>(&value))
+    is_valid = in_range(static_cast<double>(*number));
+  if (const auto* list = std::get_if<std::vector<int>>(&value))
+    is_valid = std::all_of(list->begin(), list->end(), in_range);
+  if (type == FieldType::kEnum) {
+    is_valid = std::any_of(choices.begin(), choices.end(), [&value](const auto& choice) {
+      return std::get<std::string>(value) == choice.first;
+    });
+  }
+  if (!is_valid) refuse(*this, given_text, valid().empty() ? typeText(type) : valid());
+}
+
+void Field::set(const FieldValue& value) const {
+  check(value);
+  put(converted(*this, value));
+}
+
+void Field::setFromText(const std::string& given) const {
+  const std::string text_given = trimmed(given);
+  const auto refuseText = [&] { refuse(*this, "'" + given + "'", typeText(type)); };
+  switch (type) {
+    case FieldType::kBool:
+      if (const auto is = truth(text_given)) return set(*is);
+      refuseText();
+      break;
+    case FieldType::kInt:
+      if (const auto number = wholeNumber(text_given)) return set(*number);
+      refuseText();
+      break;
+    case FieldType::kDouble:
+      if (text_given.empty() && std::holds_alternative<std::monostate>(get())) return;
+      if (const auto number = realNumber(text_given)) return set(*number);
+      refuseText();
+      break;
+    case FieldType::kText: return set(given);
+    case FieldType::kEnum: return set(text_given);
+    case FieldType::kTextList: return set(listItems(given));
+    case FieldType::kIntList: {
+      std::vector<int> list;
+      for (const std::string& item : listItems(given)) {
+        const std::optional<std::int64_t> number = wholeNumber(item);
+        if (!number || std::abs(*number) > std::numeric_limits<std::int32_t>::max()) refuseText();
+        list.push_back(static_cast<int>(*number));
+      }
+      return set(list);
+    }
+  }
+}
+
+const Field* FieldList::find(std::string_view name) const {
+  const auto found = std::find_if(begin(), end(), [name](const Field& field) { return name == field.name; });
+  return found == end() ? nullptr : &*found;
+}
+
+const Field& FieldList::of(const void* member) const {
+  const auto found =
+      std::find_if(begin(), end(), [member](const Field& field) { return field.address == member; });
+  if (found == end()) throw std::logic_error("a rule between parameters names a member that is not listed");
+  return *found;
+}
+
+std::string FieldList::nearestName(const std::string& unknown) const {
+  std::string nearest;
+  std::size_t least = std::max<std::size_t>(2, unknown.size() / 3) + 1;
+  const auto consider = [&](const char* name) {
+    const std::size_t distance = editDistance(unknown, name);
+    if (distance < least) {
+      least = distance;
+      nearest = name;
+    }
+  };
+  for (const Field& field : fields_) consider(field.name);
+  for (const FieldDictionary& dictionary : dictionaries_) consider(dictionary.name);
+  return nearest;
+}
+
+void checkFields(const FieldList& fields) {
+  for (const Field& field : fields) field.check(field.get());
+}
+
+bool sameValues(const FieldList& a, const FieldList& b) {
+  const bool same =
+      a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(),
+                                         [](const Field& x, const Field& y) { return x.get() == y.get(); });
+  if (!same || a.dictionaries().size() != b.dictionaries().size()) return false;
+  for (std::size_t i = 0; i < a.dictionaries().size(); ++i) {
+    const FieldDictionary& x = a.dictionaries()[i];
+    const FieldDictionary& y = b.dictionaries()[i];
+    if (x.keys() != y.keys()) return false;
+    for (const std::string& key : x.keys())
+      if (!sameValues(x.entry(key), y.entry(key))) return false;
+  }
+  return true;
+}
+
+void require(bool condition, const FieldList& fields, const std::vector<const void*>& members,
+             const std::string& text) {
+  if (condition) return;
+  std::vector<std::string> names;
+  std::string values;
+  for (const void* member : members) {
+    const Field& field = fields.of(member);
+    names.emplace_back(field.name);
+    values += fmt::format("{}{} is {}", values.empty() ? "" : " and ", field.name, valueText(field));
+  }
+  throw InvalidParameter(names, values + "; " + text);
+}
+
+namespace {
+
+[[noreturn]] void refuseOrder(const FieldList& fields, const double& smaller, const double& larger,
+                              const char* relation) {
+  const Field& low = fields.of(&smaller);
+  const Field& high = fields.of(&larger);
+  throw InvalidParameter(
+      {low.name, high.name},
+      fmt::format("{} ({}) must {} {} ({})", low.name, valueText(low), relation, high.name, valueText(high)));
+}
+
+}  // namespace
+
+void requireLess(const FieldList& fields, const double& smaller, const double& larger) {
+  if (!(smaller < larger)) refuseOrder(fields, smaller, larger, "be smaller than");
+}
+
+void requireNotMore(const FieldList& fields, const double& smaller, const double& larger) {
+  if (!(smaller <= larger)) refuseOrder(fields, smaller, larger, "not be larger than");
+}
+
+}  // namespace radar_dot

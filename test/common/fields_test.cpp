@@ -1,0 +1,178 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/common/fields.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace radar_dot {
+
+enum class Colour { kRed, kGreen };
+template <>
+struct EnumNames<Colour> {
+  static constexpr const char* kWhat = "colour";
+  static constexpr EnumName<Colour> kValues[] = {{Colour::kRed, "red"},
+                                                 {Colour::kGreen, "green", "as grass"}};
+};
+
+namespace {
+
+struct Lamp {
+  double power = 5.0;
+  std::optional<double> tilt;
+  void describe(FieldList& fields) {
+    fields.add("power", power, "Electric power", "W", {0.0, 100.0});
+    fields.add("tilt", tilt, "Angle against the vertical", "rad", {-1.0, 1.0});
+  }
+};
+
+struct Street {
+  bool lit = true;
+  int lanes = 2;
+  std::size_t houses = 7;
+  double near = 1.0, far = 50.0;
+  Colour colour = Colour::kRed;
+  std::string name = "Elm";
+  std::vector<int> numbers = {1, 3};
+  std::vector<std::string> trees;
+  double open_end = std::numeric_limits<double>::infinity();
+  std::map<std::string, Lamp> lamps;
+
+  void describe(FieldList& fields) {
+    fields.group("Looks");
+    fields.add("lit", lit, "Lamps are on");
+    fields.add("lanes", lanes, "Lanes in both directions", "", {1, 8});
+    fields.add("houses", houses, "Houses on both sides");
+    fields.add("near", near, "Where it begins", "m", {0.0, 1000.0});
+    fields.add("far", far, "Where it ends", "m", {0.0, 1000.0});
+    fields.add("colour", colour, "Colour of the houses");
+    fields.group("At start", FieldList::kAtStart | FieldList::kLiveOnly);
+    fields.add("name", name, "Its name");
+    fields.add("numbers", numbers, "Numbers of its houses", "", {0, 255});
+    fields.add("trees", trees, "Kinds of its trees");
+    fields.add("open_end", open_end, "Farthest view", "m", {0.0});
+    fields.addDictionary("lamps", lamps, "Its lamps by name");
+  }
+};
+
+std::string refusalOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InvalidParameter& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Fields, SetEachTypeFromText) {
+  Street street;
+  const FieldList fields = fieldsOf(street);
+  const auto set = [&fields](const char* name, const char* text) { fields.find(name)->setFromText(text); };
+  set("lit", "no");
+  set("lanes", "4");
+  set("houses", " 12 ");
+  set("near", "2.5");
+  set("far", "3");
+  set("colour", "green");
+  set("name", "Oak");
+  set("numbers", "[0, 4]");
+  set("trees", "lime,ash");
+  set("open_end", "-0.0");
+  EXPECT_FALSE(street.lit);
+  EXPECT_EQ(street.lanes, 4);
+  EXPECT_EQ(street.houses, 12U);
+  EXPECT_EQ(street.near, 2.5);
+  EXPECT_EQ(street.far, 3.0);
+  EXPECT_EQ(street.colour, Colour::kGreen);
+  EXPECT_EQ(street.name, "Oak");
+  EXPECT_EQ(street.numbers, (std::vector<int>{0, 4}));
+  EXPECT_EQ(street.trees, (std::vector<std::string>{"lime", "ash"}));
+  set("open_end", ".inf");
+  EXPECT_EQ(street.open_end, std::numeric_limits<double>::infinity());
+  set("numbers", "");
+  EXPECT_TRUE(street.numbers.empty());
+}
+
+TEST(Fields, TextReadsBackExactly) {
+  Street street;
+  street.near = 0.1 + 0.2;
+  const Street before = street;
+  const FieldList fields = fieldsOf(street);
+  for (const Field& field : fields) field.setFromText(toText(field.get()));
+  EXPECT_TRUE(sameFields(before, street));
+  EXPECT_EQ(street.near, 0.1 + 0.2);
+}
+
+TEST(Fields, RefusalsNameFieldValueAndWhatIsValid) {
+  Street street;
+  const FieldList fields = fieldsOf(street);
+  const auto refusal = [&fields](const char* name, const char* text) {
+    return refusalOf([&] { fields.find(name)->setFromText(text); });
+  };
+  EXPECT_EQ(refusal("near", "-1"), "near is -1, must be between 0 and 1000 m");
+  EXPECT_EQ(refusal("near", "nan"), "near is nan, must be between 0 and 1000 m");
+  EXPECT_EQ(refusal("near", "far"), "near is 'far', must be a number");
+  EXPECT_EQ(refusal("lanes", "2.5"), "lanes is '2.5', must be a whole number");
+  EXPECT_EQ(refusal("lanes", "9"), "lanes is 9, must be between 1 and 8");
+  EXPECT_EQ(refusal("houses", "-1"), "houses is -1, must be 0 or more");
+  EXPECT_EQ(refusal("lit", "maybe"), "lit is 'maybe', must be true or false");
+  EXPECT_EQ(refusal("colour", "blue"), "colour is 'blue', must be one of red, green");
+  EXPECT_EQ(refusal("numbers", "1, 256"), "numbers is 1, 256, must be between 0 and 255");
+  EXPECT_TRUE(sameFields(Street(), street)) << "what is refused changes nothing";
+  EXPECT_EQ(refusalOf([&] { fields.find("near")->set(true); }), "near is 'true', must be a number");
+  street.far = std::nan("");
+  EXPECT_EQ(refusalOf([&] { validateFields(street); }), "far is nan, must be between 0 and 1000 m");
+}
+
+TEST(Fields, RulesBetweenFieldsNameThem) {
+  Street street;
+  street.near = 60.0;
+  const FieldList fields = fieldsOf(street);
+  try {
+    requireLess(fields, street.near, street.far);
+    FAIL() << "accepted";
+  } catch (const InvalidParameter& error) {
+    EXPECT_STREQ(error.what(), "near (60 m) must be smaller than far (50 m)");
+    EXPECT_EQ(error.names(), (std::vector<std::string>{"near", "far"}));
+  }
+  EXPECT_EQ(refusalOf([&] { require(false, fields, {&street.lanes}, "it must be even"); }),
+            "lanes is 2; it must be even");
+  const double stranger = 0.0;
+  EXPECT_THROW(requireLess(fields, stranger, street.far), std::logic_error);
+}
+
+TEST(Fields, GroupsFlagsAndNearestNames) {
+  Street street;
+  const FieldList fields = fieldsOf(street);
+  EXPECT_STREQ(fields.find("near")->group, "Looks");
+  EXPECT_FALSE(fields.find("near")->at_start);
+  EXPECT_TRUE(fields.find("name")->at_start);
+  EXPECT_TRUE(fields.find("name")->live_only);
+  EXPECT_EQ(fields.nearestName("colur"), "colour");
+  EXPECT_EQ(fields.nearestName("lamp"), "lamps");
+  EXPECT_EQ(fields.nearestName("threshold"), "");
+  EXPECT_EQ(fields.find("nowhere"), nullptr);
+}
+
+TEST(Fields, DictionariesHoldParametersByName) {
+  Street street;
+  const FieldList fields = fieldsOf(street);
+  const FieldDictionary& lamps = fields.dictionaries().at(0);
+  lamps.entry("corner").find("power")->setFromText("7");
+  lamps.entry("gate").find("tilt")->setFromText("0.5");
+  EXPECT_EQ(lamps.keys(), (std::vector<std::string>{"corner", "gate"}));
+  EXPECT_EQ(street.lamps.at("corner").power, 7.0);
+  EXPECT_FALSE(street.lamps.at("corner").tilt.has_value());
+  EXPECT_EQ(street.lamps.at("gate").tilt, 0.5);
+  Street other = street;
+  EXPECT_TRUE(sameFields(street, other));
+  other.lamps.at("gate").power = 1.0;
+  EXPECT_FALSE(sameFields(street, other));
+  lamps.erase("gate");
+  EXPECT_EQ(street.lamps.size(), 1U);
+}
+
+}  // namespace
+}  // namespace radar_dot
