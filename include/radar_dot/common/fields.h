@@ -147,6 +147,12 @@ void validateFields(const Params& params) {
   checkFields(fieldsOf(params));
 }
 
+/// Of parameters without rules between fields; those with rules have an overload beside their struct.
+template <typename Params, typename = decltype(&Params::describe)>
+void validate(const Params& params) {
+  validateFields(params);
+}
+
 bool sameValues(const FieldList& a, const FieldList& b);
 /// Are all parameters equal?
 template <typename Params>
