@@ -28,6 +28,11 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFootprintBelow = 0.5F;
 constexpr float kFootprintAbove = 1.5F;
 
+void requireInput(bool good, const char* name, double value, const char* wanted) {
+  if (!good)
+    throw std::invalid_argument(fmt::format("motion segmentation: {} is {}, must be {}", name, value, wanted));
+}
+
 /// An odd kernel of the grid for a diameter given in px of the full image.
 int kernelSize(int diameter, double pixel_scale) {
   const int size = static_cast<int>(std::lround(diameter / pixel_scale));
@@ -307,16 +312,16 @@ void requireImages(const MotionInput& input) {
 
 const MotionResult& MotionSegmenter::segment(const MotionInput& input, const MotionInput* before) {
   const CameraIntrinsics& camera = input.camera;
-  kChecks.require(camera.width >= 2 && camera.height >= 2, "width of the camera's grid", camera.width,
-                  "2 px or more");
-  kChecks.require(input.pixel_scale > 0.0 && std::isfinite(input.pixel_scale), "pixel_scale",
-                  input.pixel_scale, "positive");
+  requireInput(camera.width >= 2 && camera.height >= 2, "width of the camera's grid", camera.width,
+               "2 px or more");
+  requireInput(input.pixel_scale > 0.0 && std::isfinite(input.pixel_scale), "pixel_scale", input.pixel_scale,
+               "positive");
   requireImages(input);
   const bool by_uncertainty = params_.score == MotionScore::kUncertainty;
   if (!by_uncertainty && (before != nullptr || !input.belief.empty()))
     throw std::invalid_argument("motion segmentation: the paper's score knows nothing of images before");
   if (before != nullptr) {
-    kChecks.require(before->camera.width == camera.width && before->camera.height == camera.height,
+    requireInput(before->camera.width == camera.width && before->camera.height == camera.height,
                     "width of the grid of the previous pair", before->camera.width, "that of the pair");
     requireImages(*before);
   }

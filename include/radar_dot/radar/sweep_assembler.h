@@ -18,10 +18,14 @@ struct SweepParams {
   double reset_after = 1.0;  ///< s, a step back in a radar's stamps that resets everything
 
   void describe(FieldList& fields) {
-    fields.add("window", window, "Age of the oldest scan of a sweep relative to its newest", "s", {0.001, 10.0});
+    fields.add("window", window, "Age of the oldest scan of a sweep relative to its newest", "s",
+               {0.001, 10.0});
+    describeSilentAfter(silent_after, fields);
+  }
+  static void describeSilentAfter(double& silent_after, FieldList& fields) {
     fields.add("silent_after", silent_after,
-               "Time without a message after which a sensor or topic counts as silent and is not waited for", "s",
-               {0.001, 3600.0});
+               "Time without a message after which a sensor or topic counts as silent and is not waited for",
+               "s", {0.001, 3600.0});
   }
 };
 

@@ -43,10 +43,11 @@ struct DepthParams {
   double column_height = 1.6;
   double column_half_width = 0.9;
   double azimuth_std = RadarNoise{}.azimuth_std;
-  // Heights between 0.6 and 2 times, widths between 0.4 and 1.6 times the expected one. Without an image there
-  // is nothing to move to.
+  // Heights between 0.6 and 2 times, widths between 0.4 and 1.6 times the expected one. Without an image
+  // there is nothing to move to.
   bool image_edges = false;
-  double background_depth = 40.0;  // of what is above the horizon and in no column; hides the ground behind it
+  double background_depth =
+      40.0;  // of what is above the horizon and in no column; hides the ground behind it
   double background_angle = 0.1;
   double column_std = 0.35;
   double background_std = 0.5;
@@ -58,14 +59,16 @@ struct DepthParams {
 
   void describe(FieldList& fields) {
     fields.group("Depth");
-    fields.add("depth_backend", backend,
-               "radar_ground: ground plane and radar returns; lidar: completed lidar sweep; torch: a network; or a "
-               "registered one. Depth also takes topic: an external depth on depth/input. Evaluators also take "
-               "ground_truth, noisy (ground truth with the errors of a network) and files");
+    fields.add(
+        "depth_backend", backend,
+        "radar_ground: ground plane and radar returns; lidar: completed lidar sweep; torch: a network; or a "
+        "registered one. Depth also takes topic: an external depth on depth/input. Evaluators also take "
+        "ground_truth, noisy (ground truth with the errors of a network) and files");
     describeMaxDepth(max_depth, fields);
-    fields.add("relative_std", relative_std,
-               "1 sigma of the inverse depth, relative, of sources that do not know it better (torch, topic, files)",
-               "", {1e-6, 10.0});
+    fields.add(
+        "relative_std", relative_std,
+        "1 sigma of the inverse depth, relative, of sources that do not know it better (torch, topic, files)",
+        "", {1e-6, 10.0});
     fields.group("RadarGround");
     ground.describe(fields);
     fields.add("column_height", column_height, "Height of the upright column that a return stands for", "m",
@@ -78,9 +81,10 @@ struct DepthParams {
                "Depth above the horizon where the radar sees nothing; 0: unknown", "m", {0.0, 10000.0});
     fields.add("background_angle", background_angle,
                "1 sigma of the angle over which columns pull the background nearer", "rad", {0.001, 3.2});
-    fields.add("column_std", column_std, "1 sigma of the inverse depth in columns, relative", "", {1e-6, 10.0});
-    fields.add("background_std", background_std, "1 sigma of the inverse depth of the background, relative", "",
+    fields.add("column_std", column_std, "1 sigma of the inverse depth in columns, relative", "",
                {1e-6, 10.0});
+    fields.add("background_std", background_std, "1 sigma of the inverse depth of the background, relative",
+               "", {1e-6, 10.0});
     fields.group("Lidar");
     fields.add("completion_kernel", completion_kernel,
                "Largest gap between points that is filled, at 1600 px image width", "px", {1, 199});
@@ -89,7 +93,8 @@ struct DepthParams {
                "In addition, relative, for each px to the nearest point at 1600 px image width", "1/px",
                {0.0, 10.0});
     fields.group("Network");
-    fields.add("depth_model", network.model, "TorchScript file of export_justdepth.py, for depth_backend torch");
+    fields.add("depth_model", network.model,
+               "TorchScript file of export_justdepth.py, for depth_backend torch");
     network.describe(fields);
   }
 };

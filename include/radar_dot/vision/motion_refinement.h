@@ -55,8 +55,9 @@ struct RefinementParams {
   }
 };
 
-/// The ground plane that a part of MotionInput::depth shows (groundDepth), and how well it is known. The relative
-/// error of its depth overrides MotionInput::depth_std; pitch and height are separate because they are estimated.
+/// The ground plane that a part of MotionInput::depth shows (groundDepth), and how well it is known. The
+/// relative error of its depth overrides MotionInput::depth_std; pitch and height are separate because they
+/// are estimated.
 struct GroundPlane {
   Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();  ///< at t-1
   GroundParams params;
@@ -69,7 +70,7 @@ struct RefinedMotion {
   Eigen::Matrix<double, 6, 1> correction = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of the refined motion
   std::optional<GroundPlane> ground;  ///< refined, with its uncertainty, where one was given
-  std::size_t pixels = 0;                ///< that were looked at; fewer than 50: the motion is the one given
+  std::size_t pixels = 0;             ///< that were looked at; fewer than 50: the motion is the one given
 };
 
 /// Motion of the camera from flow and depth of all pixels, with the motion given and its covariance as the
@@ -88,13 +89,13 @@ RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundP
 
 /// Depth whose pixels of one ground plane are those of another. @param max_depth  m, farther is unknown
 cv::Mat replaceGroundDepth(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
-                       const GroundPlane& refined, double max_depth);
+                           const GroundPlane& refined, double max_depth);
 
 /// The uncertainty of that depth (fraction of the inverse depth, CV_32FC1): where `depth` shows the drawn
 /// ground, that of the refined one, else as in `relative_std`. @param depth  m, before its ground is
 /// exchanged
 cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
-                          const GroundPlane& drawn, const RefinedMotion& refined);
+                         const GroundPlane& drawn, const RefinedMotion& refined);
 
 /// A pair with its motion refined (refineMotion): motion, covariance, and where the ground is given, both
 /// depths and their uncertainty. @param max_depth  m, ground farther than this is unknown

@@ -47,8 +47,8 @@ struct MotionParams {
   // Score by uncertainty
   FlowDepthNoise noise;
   double next_depth_std = 0.5;
-  // What the uncertainties leave out is measured in every image: the threshold grows and falls with the median
-  // of the score over that of static pixels, but not below min_scale.
+  // What the uncertainties leave out is measured in every image: the threshold grows and falls with the
+  // median of the score over that of static pixels, but not below min_scale.
   double false_alarm = 1e-3;
   double min_scale = 0.6;
   double hysteresis_ratio = 3.5;
@@ -58,11 +58,11 @@ struct MotionParams {
   double max_depth = 120.0;
   int opening = 5;
   int closing = 9;
-  // With flow that knows itself what it cannot see (forward_backward, or exact), leave it off: a car that drives
-  // along stays in view where a standing one would have left it.
+  // With flow that knows itself what it cannot see (forward_backward, or exact), leave it off: a car that
+  // drives along stays in view where a standing one would have left it.
   bool predicted_in_view = true;
-  // At 2 a third of the evidence is enough where the radar has seen something move; more finds more movers, and
-  // spills around them.
+  // At 2 a third of the evidence is enough where the radar has seen something move; more finds more movers,
+  // and spills around them.
   double radar_gain = 2.0;
   double radar_radius = 1.0;
   double radar_azimuth_std = 0.0;
@@ -71,24 +71,28 @@ struct MotionParams {
   void describe(FieldList& fields) {
     fields.group("Score");
     fields.add("score", score, "What turns the residual of a pixel into a score");
-    fields.add("k", k, "MADs above the median score that make a pixel dynamic, the paper's k (score paper)", "",
-               {0.0, 1000.0});
-    fields.add("lambda", lambda,
-               "Weight of the depth residual, the paper's lambda; 0: flow alone, without waiting for the depth of "
-               "the second image (score paper)",
-               "", {0.0, 100.0});
+    fields.add("k", k, "MADs above the median score that make a pixel dynamic, the paper's k (score paper)",
+               "", {0.0, 1000.0});
+    fields.add(
+        "lambda", lambda,
+        "Weight of the depth residual, the paper's lambda; 0: flow alone, without waiting for the depth of "
+        "the second image (score paper)",
+        "", {0.0, 100.0});
     fields.add("min_depth", min_depth,
                "Z_min of the paper: nearer pixels have the tolerance of this depth (score paper)", "m",
                {0.01, 100.0});
-    fields.add("foe_std", foe_std,
-               "sigma_FOE of the paper: reach of the extra tolerance around the focus of expansion (score paper)",
-               "px", {0.1, 10000.0});
-    fields.add("min_threshold", min_threshold, "Lower limit of the threshold (score paper)", "", {0.0, 1000.0});
+    fields.add(
+        "foe_std", foe_std,
+        "sigma_FOE of the paper: reach of the extra tolerance around the focus of expansion (score paper)",
+        "px", {0.1, 10000.0});
+    fields.add("min_threshold", min_threshold, "Lower limit of the threshold (score paper)", "",
+               {0.0, 1000.0});
     describeMaxDepth(max_depth, fields);
-    fields.add("occlusion_margin", occlusion_margin,
-               "A predicted point is occluded if it lies farther than the depth seen there by this fraction of its "
-               "own depth",
-               "", {0.0, 1.0});
+    fields.add(
+        "occlusion_margin", occlusion_margin,
+        "A predicted point is occluded if it lies farther than the depth seen there by this fraction of its "
+        "own depth",
+        "", {0.0, 1.0});
     fields.add("predicted_in_view", predicted_in_view, "Exclude pixels whose prediction leaves the image");
     fields.group("Uncertainty");
     noise.describe(fields);
@@ -101,10 +105,11 @@ struct MotionParams {
                "Lower limit of the factor on the threshold, which falls where images agree better than the "
                "uncertainties say",
                "", {0.01, 1.0});
-    fields.add("hysteresis_ratio", hysteresis_ratio,
-               "A region is kept only if, after the opening, some pixel exceeds this multiple of the threshold; 1: "
-               "off",
-               "", {1.0, 100.0});
+    fields.add(
+        "hysteresis_ratio", hysteresis_ratio,
+        "A region is kept only if, after the opening, some pixel exceeds this multiple of the threshold; 1: "
+        "off",
+        "", {1.0, 100.0});
     fields.group("Mask");
     fields.add("opening", opening, "Width of the opening that removes isolated detections; 0: off", "px",
                {0, 999});

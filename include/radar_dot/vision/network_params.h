@@ -15,8 +15,9 @@ struct NetworkParams {
   int threads = 0;
 
   void describe(FieldList& fields) {
-    fields.add("device", device,
-               "Device of the network: auto (CUDA where libtorch and the machine have it), cpu, cuda, cuda:1 ...");
+    fields.add(
+        "device", device,
+        "Device of the network: auto (CUDA where libtorch and the machine have it), cpu, cuda, cuda:1 ...");
     fields.add("threads", threads, "Threads of the network on the CPU; 0: one per core", "", {0, 1024});
   }
 };

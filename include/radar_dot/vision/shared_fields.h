@@ -15,8 +15,8 @@ inline void describeMaxDepth(double& max_depth, FieldList& fields) {
 
 /// @param working_width  px
 inline void describeWorkingWidth(int& working_width, FieldList& fields) {
-  fields.add("working_width", working_width, "Width of the grid of flow, depth and mask; 0: that of the image",
-             "px", {0, 100000});
+  fields.add("working_width", working_width,
+             "Width of the grid of flow, depth and mask; 0: that of the image", "px", {0, 100000});
 }
 
 }  // namespace radar_dot
