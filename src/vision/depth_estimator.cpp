@@ -20,7 +20,7 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 using Registry = BackendRegistry<DepthEstimatorFactory>;
 
 Registry& registry() {
-  static Registry instance("depth", {{"lidar", makeLidarDepth}, {"radar_ground", makeRadarGroundDepth}});
+  static Registry instance("depth", {{"lidar", makeLidarDepth}, {kRadarGroundBackend, makeRadarGroundDepth}});
   return instance;
 }
 

@@ -31,11 +31,15 @@ struct DepthInput {
 /// The parts of DepthInput that an estimator looks at, besides the camera.
 struct DepthNeeds {
   bool image = false, radar = false, lidar = false;
+  bool trained_radars_only = false;  ///< of the radars those that a network was trained with
 };
+
+/// The backend that draws the ground plane.
+inline constexpr const char* kRadarGroundBackend = "radar_ground";
 
 /// Parameters of makeDepthEstimator; a backend ignores what it does not know.
 struct DepthParams {
-  std::string backend = "radar_ground";
+  std::string backend = kRadarGroundBackend;
   double max_depth = 120.0;
   double relative_std = 0.1;
   // radar_ground
