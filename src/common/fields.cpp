@@ -34,6 +34,10 @@ FieldValue converted(const Field& field, const FieldValue& value) {
   if (whole != nullptr && field.type == FieldType::kDouble) return static_cast<double>(*whole);
   if (whole != nullptr && field.type == FieldType::kIntList)
     return std::vector<int>{static_cast<int>(*whole)};
+  const auto* real = std::get_if<double>(&value);
+  if (real != nullptr && field.type == FieldType::kInt && std::trunc(*real) == *real &&
+      std::abs(*real) <= std::numeric_limits<std::int32_t>::max())
+    return static_cast<std::int64_t>(*real);
   const auto* text = std::get_if<std::string>(&value);
   if (text != nullptr && field.type == FieldType::kTextList) return std::vector<std::string>{*text};
   return value;

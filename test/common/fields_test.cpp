@@ -93,6 +93,10 @@ TEST(Fields, SetEachTypeFromText) {
   EXPECT_EQ(street.open_end, std::numeric_limits<double>::infinity());
   set("numbers", "");
   EXPECT_TRUE(street.numbers.empty());
+  fields.find("near")->set(std::int64_t{3});
+  fields.find("lanes")->set(3.0);
+  EXPECT_EQ(street.near, 3.0);
+  EXPECT_EQ(street.lanes, 3);
 }
 
 TEST(Fields, TextReadsBackExactly) {

@@ -82,7 +82,7 @@ struct Field {
   const char* typeText() const;
   /// @throws InvalidParameter naming field, value and what is valid, also for another type
   void check(const FieldValue& value) const;
-  /// Checked. An integer is accepted for a real number.
+  /// Checked. An integer is accepted for a real number, and 5.0 for an integer.
   void set(const FieldValue& value) const;
   /// From text as in toText; lists with or without brackets. @throws InvalidParameter
   void setFromText(const std::string& text) const;
