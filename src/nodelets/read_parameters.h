@@ -8,6 +8,8 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "radar_dot/common/fields.h"
@@ -52,6 +54,21 @@ void readParameters(const ros::NodeHandle& private_handle, const FieldList& fiel
 /// One error line for each problem from `first` on.
 void logProblems(const ParameterProblems& problems, std::size_t first = 0);
 
+template <typename Config, typename = void>
+struct HasRules : std::false_type {};
+template <typename Config>
+struct HasRules<Config, std::void_t<decltype(validate(std::declval<const Config&>()))>> : std::true_type {};
+
+/// Checks the fields, and by validate(const Config&) the rules between them where there are any.
+/// @throws InvalidParameter
+template <typename Config>
+void validateConfig(const Config& config) {
+  if constexpr (HasRules<Config>::value)
+    validate(config);
+  else
+    validateFields(config);
+}
+
 /// A configuration as it was given, as far as it is valid.
 template <typename Config>
 struct GivenConfig {
@@ -66,7 +83,7 @@ GivenConfig<Config> readConfig(const ros::NodeHandle& private_handle) {
   Config defaults;
   const FieldList fields = fieldsOf(given.config);
   readParameters(private_handle, fields, given.problems);
-  fallBackUntil([&given] { validate(given.config); }, private_handle.getNamespace(), fields,
+  fallBackUntil([&given] { validateConfig(given.config); }, private_handle.getNamespace(), fields,
                 fieldsOf(defaults), given.problems);
   logProblems(given.problems);
   return given;

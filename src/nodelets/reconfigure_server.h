@@ -62,7 +62,8 @@ class ReconfigureServerBase {
   ros::ServiceServer service_;
 };
 
-/// Config has `void describe(FieldList&)`, and validate(const Config&) throws InvalidParameter.
+/// Config has `void describe(FieldList&)`, and validate(const Config&) where there are rules between its
+/// fields.
 template <typename Config>
 class ReconfigureServer final : public ReconfigureServerBase {
  public:
@@ -85,13 +86,13 @@ class ReconfigureServer final : public ReconfigureServerBase {
   FieldList inForce() override { return fieldsOf(config_); }
   FieldList defaults() override { return fieldsOf(defaults_); }
   void applyInForce() override {
-    validate(config_);
+    validateConfig(config_);
     apply_(config_);
   }
   void change(const Write& write) override {
     Config changed = config_;
     write(fieldsOf(changed));
-    validate(changed);
+    validateConfig(changed);
     apply_(changed);
     config_ = std::move(changed);
   }

@@ -178,6 +178,16 @@ TEST(ReadParameters, RulesSendExactlyTheirFieldsBack) {
   EXPECT_EQ(problems.refused, (std::vector<std::string>{"near", "lamps/dark"}));
 }
 
+TEST(ReadParameters, RulesAreOptional) {
+  ToyConfig config;
+  config.near = 60.0;
+  EXPECT_THROW(validateConfig(config), InvalidParameter);
+  ToyLamp lamp;
+  validateConfig(lamp);
+  lamp.scale = 5.0;
+  EXPECT_THROW(validateConfig(lamp), InvalidParameter);
+}
+
 TEST(ReadParameters, WhatNamesNoParameterSendsAllBack) {
   ToyConfig config, defaults;
   config.lanes = 5;
