@@ -242,6 +242,9 @@ std::string nearestName(const std::string& unknown, const std::vector<std::strin
       nearest = name;
     }
   }
+  // An abbreviation has many edits.
+  for (const std::string& name : known)
+    if (nearest.empty() && unknown.size() > 2 && name.rfind(unknown, 0) == 0) nearest = name;
   return nearest;
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <cstring>
 #include <stdexcept>
 
 #include "parameter_report.h"
@@ -131,7 +132,8 @@ void CommandLine::addOption(const std::string& heading, const Field& field) {
 
 void CommandLine::require(const std::string& name, const std::string& alternative,
                           const std::function<bool()>& condition) {
-  requirements_.push_back({known(name).name, alternative, condition});
+  requirements_.push_back(
+      {known(name).name, alternative.empty() ? alternative : known(alternative).name, condition});
 }
 
 void CommandLine::exclude(const std::string& one, const std::string& other) {
@@ -165,13 +167,19 @@ std::vector<std::string> CommandLine::wordsOf(int argc, const char* const* argv)
   std::vector<std::string> words;
   for (int i = 1; i < argc; ++i) {
     std::string word = argv[i];
-    // Boost refuses an empty value after '=', which clears a text or a list.
-    const bool is_cleared = word.size() > 3 && word.find('=') == word.size() - 1 && word.rfind("--", 0) == 0;
-    const Option* option = is_cleared ? find(word.substr(2, word.size() - 3)) : nullptr;
-    if (option != nullptr && !option->isFlag()) {
-      word.pop_back();
-      words.push_back(std::move(word));
+    const bool is_option = word.rfind("--", 0) == 0;
+    const std::size_t equals = word.find('=');
+    const Option* option = is_option ? find(word.substr(2, std::min(equals, word.size()) - 2)) : nullptr;
+    const Option* switched_off =
+        is_option && word.rfind(kNo, 2) == 2 ? find(word.substr(2 + std::strlen(kNo))) : nullptr;
+    if (option != nullptr && option->isFlag() && equals == std::string::npos) {
+      word += "=true";
+    } else if (option != nullptr && !option->isFlag() && equals == word.size() - 1) {
+      // Boost refuses an empty value after '=', which clears a text or a list.
+      words.push_back(word.substr(0, equals));
       word.clear();
+    } else if (switched_off != nullptr && switched_off->isFlag()) {
+      word = "--" + switched_off->name + "=false";
     }
     words.push_back(std::move(word));
   }
@@ -187,12 +195,8 @@ std::vector<po::option> CommandLine::optionsIn(const std::vector<std::string>& w
   declare(kHelp, new po::untyped_value(true));
   if (!sections_.empty()) declare(kConfig, po::value<std::string>());
   for (const Option& option : options_) {
-    if (option.isFlag()) {
-      declare(option.name, po::value<std::string>()->implicit_value("true"));
-      declare(kNo + option.name, new po::untyped_value(true));
-    } else {
-      declare(option.name, po::value<std::string>());
-    }
+    declare(option.name, po::value<std::string>());
+    if (option.isFlag()) declare(kNo + option.name, new po::untyped_value(true));
   }
   const auto style = po::command_line_style::allow_long | po::command_line_style::long_allow_adjacent |
                      po::command_line_style::long_allow_next;
@@ -213,25 +217,24 @@ CommandLine::Settings CommandLine::settingsOf(const std::vector<po::option>& par
   const Option* previous = nullptr;
   for (const po::option& each : parsed) {
     const std::string& name = each.string_key;
-    const std::string value = each.value.empty() ? "true" : each.value.front();
+    const std::string value = each.value.empty() ? "" : each.value.front();
     if (name.empty()) {
       const bool is_list = previous != nullptr && isList(previous->field().type);
       throw UsageError(fmt::format("'{}' belongs to no option{}", value,
                                    is_list ? "; the items of a list are joined by commas" : ""));
     }
     if (each.unregistered) throw UsageError(didYouMean("unknown option --" + name, nearestOption(name)));
+    // The next option, whether Boost knows it or not.
     if (each.original_tokens.size() > 1 && value.rfind("--", 0) == 0)
-      throw UsageError(fmt::format("--{} needs a value, not {}", name, value));
+      throw UsageError(fmt::format("--{} needs a value", name));
     previous = find(name);
     if (name == kConfig) {
       settings.files.push_back(value);
       continue;
     }
-    const bool is_off = previous == nullptr;
-    const Option* option = is_off ? find(name.substr(std::string(kNo).size())) : previous;
     for (const Setting& setting : settings.values)
-      if (setting.option == option) throw UsageError(fmt::format("--{} is given twice", option->name));
-    settings.values.push_back({option, is_off ? "false" : value});
+      if (setting.option == previous) throw UsageError(fmt::format("--{} is given twice", name));
+    settings.values.push_back({previous, value});
   }
   return settings;
 }
@@ -265,8 +268,9 @@ void CommandLine::checkRules() const {
     if (isOn(one) && isOn(other)) throw UsageError(fmt::format("--{} excludes --{}", one, other));
   for (const Requirement& each : requirements_) {
     if (isOn(each.name) || (each.condition && !each.condition())) continue;
-    throw UsageError(fmt::format("--{} must be given{}{}: {}", each.name, each.alternative.empty() ? "" : " ",
-                                 each.alternative, known(each.name).field().text));
+    throw UsageError(fmt::format("--{}{}{} must be given: {}", each.name,
+                                 each.alternative.empty() ? "" : " or --", each.alternative,
+                                 known(each.name).field().text));
   }
 }
 

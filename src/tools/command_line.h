@@ -54,7 +54,7 @@ class CommandLine {
   void addOutputs(const std::string& heading, const FieldList& fields, const FieldFilter& filter = {});
 
   /// An option that must be given, with a text that is not empty, where the condition holds after reading
-  /// the rest (empty: always). `alternative` ends the message, e.g. "or --merge".
+  /// all of them (empty: always). `alternative` is the option that takes its place, if there is one.
   void require(const std::string& name, const std::string& alternative = "",
                const std::function<bool()>& condition = {});
   /// Two options that do not go together; a flag that is off goes with everything.
@@ -116,6 +116,7 @@ class CommandLine {
   void addOption(const std::string& heading, const Field& field);
   const Option* find(const std::string& name) const;
   const Option& known(const std::string& name) const;
+  /// The words for Boost: flags with their values.
   std::vector<std::string> wordsOf(int argc, const char* const* argv) const;
   std::vector<boost::program_options::option> optionsIn(const std::vector<std::string>& words) const;
   Settings settingsOf(const std::vector<boost::program_options::option>& parsed) const;

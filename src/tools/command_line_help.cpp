@@ -95,8 +95,13 @@ std::string CommandLine::helpOf(const Option& option) const {
   const Field& field = option.field();
   const bool has_meanings = hasMeanings(field);
   std::string details;
-  for (const Requirement& requirement : requirements_)
-    if (requirement.name == option.name && !requirement.condition) append(details, "required");
+  for (const Requirement& requirement : requirements_) {
+    if (requirement.name != option.name) continue;
+    if (!requirement.alternative.empty())
+      append(details, "required without --" + requirement.alternative);
+    else if (!requirement.condition)
+      append(details, "required");
+  }
   if (!has_meanings) append(details, field.valid().empty() ? field.unit : field.valid());
 
   // One option may stand for fields of several parts, with defaults of their own.

@@ -124,28 +124,30 @@ class Reader {
   }
 
   void readValues(const std::string& prefix, const Lists& lists, const YAML::Node& values) {
-    forEachKey(values, prefix,
-               [&](const std::string& key, const YAML::Node& key_node, const YAML::Node& value) {
-                 if (setField(prefix, lists, key, value) || setDictionary(prefix, lists, key, value)) return;
-                 fail(key_node,
-                      didYouMean(fmt::format("unknown parameter {}/{}", prefix, key), nearestIn(lists, key)));
-               });
+    forEachKey(
+        values, prefix, [&](const std::string& key, const YAML::Node& key_node, const YAML::Node& value) {
+          if (setField(prefix, lists, key, key_node, value) || setDictionary(prefix, lists, key, value))
+            return;
+          fail(key_node,
+               didYouMean(fmt::format("unknown parameter {}/{}", prefix, key), nearestIn(lists, key)));
+        });
   }
 
   bool setField(const std::string& prefix, const Lists& lists, const std::string& key,
-                const YAML::Node& value) {
+                const YAML::Node& key_node, const YAML::Node& value) {
+    bool is_known = false;
     for (const FieldList* list : lists) {
       const Field* field = list->find(key);
       if (field == nullptr) continue;
+      is_known = true;
       try {
         setValue(*field, value);
       } catch (const InvalidParameter& error) {
-        fail(value, prefix + "/" + error.what());
+        fail(key_node, prefix + "/" + error.what());
       }
       set_.push_back(field->address);
-      return true;
     }
-    return false;
+    return is_known;
   }
 
   bool setDictionary(const std::string& prefix, const Lists& lists, const std::string& key,

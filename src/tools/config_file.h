@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "radar_dot/common/fields.h"
+#include "radar_dot/config/section.h"
 
 namespace radar_dot::tools {
-
-/// The parameters under one top-level key of a configuration file.
-struct Section {
-  const char* name = "";
-  FieldList fields;
-};
 
 /// A configuration file refused. what() is one line: file, line, and what is wrong.
 class ConfigFileError : public std::runtime_error {
