@@ -5,6 +5,9 @@ if(TARGET radar_dot_test_fixtures)
 endif()
 
 # Not a google-benchmark: one load of tables as large as those of v1.0-trainval, and its memory.
-add_executable(large_tables_benchmark large_tables_benchmark.cpp)
-radar_dot_configure(large_tables_benchmark)
-target_link_libraries(large_tables_benchmark PRIVATE radar_dot_dataset CLI11::CLI11 fmt::fmt)
+if(RADAR_DOT_HAS_TOOLS)
+  add_executable(large_tables_benchmark large_tables_benchmark.cpp)
+  radar_dot_configure(large_tables_benchmark)
+  # CLI11 goes when this program, too, reads its options with Boost.Program_options.
+  target_link_libraries(large_tables_benchmark PRIVATE radar_dot_dataset Boost::program_options fmt::fmt CLI11::CLI11)
+endif()

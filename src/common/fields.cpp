@@ -236,19 +236,27 @@ const Field& FieldList::of(const void* member) const {
   return *found;
 }
 
-std::string FieldList::nearestName(const std::string& unknown) const {
+std::string nearestName(const std::string& unknown, const std::vector<std::string>& known) {
   std::string nearest;
   std::size_t least = std::max<std::size_t>(2, unknown.size() / 3) + 1;
-  const auto consider = [&](const char* name) {
+  for (const std::string& name : known) {
     const std::size_t distance = editDistance(unknown, name);
     if (distance < least) {
       least = distance;
       nearest = name;
     }
-  };
-  for (const Field& field : fields_) consider(field.name);
-  for (const FieldDictionary& dictionary : dictionaries_) consider(dictionary.name);
+  }
+  // An abbreviation has many edits.
+  for (const std::string& name : known)
+    if (nearest.empty() && unknown.size() > 2 && name.rfind(unknown, 0) == 0) nearest = name;
   return nearest;
+}
+
+std::string FieldList::nearestName(const std::string& unknown) const {
+  std::vector<std::string> known;
+  for (const Field& field : fields_) known.emplace_back(field.name);
+  for (const FieldDictionary& dictionary : dictionaries_) known.emplace_back(dictionary.name);
+  return radar_dot::nearestName(unknown, known);
 }
 
 void checkFields(const FieldList& fields) {

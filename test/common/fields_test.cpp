@@ -157,6 +157,7 @@ TEST(Fields, GroupsFlagsAndNearestNames) {
   EXPECT_EQ(fields.nearestName("colur"), "colour");
   EXPECT_EQ(fields.nearestName("lamp"), "lamps");
   EXPECT_EQ(fields.nearestName("threshold"), "");
+  EXPECT_EQ(fields.nearestName("num"), "numbers");
   EXPECT_EQ(fields.find("nowhere"), nullptr);
 }
 

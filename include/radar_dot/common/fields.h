@@ -59,6 +59,9 @@ using FieldValue = std::variant<std::monostate, bool, std::int64_t, double, std:
 /// As in a configuration file: "0.5", "true", "0, 4". Numbers are read back exactly.
 std::string toText(const FieldValue& value);
 
+/// The known name most like an unknown one, for messages; empty: none is like it.
+std::string nearestName(const std::string& unknown, const std::vector<std::string>& known);
+
 /// One parameter of one object, which must outlive it.
 struct Field {
   const char* name = "";  ///< ROS parameter, YAML and JSON key; the option is "--" + name with '-' for '_'
@@ -125,7 +128,7 @@ class FieldList {
   const Field* find(std::string_view name) const;
   /// The field that stands for a member. @throws std::logic_error where it is not listed
   const Field& of(const void* member) const;
-  /// The known name most like an unknown one, for messages; empty: none is like it.
+  /// Of these fields and dictionaries.
   std::string nearestName(const std::string& unknown) const;
 
  private:

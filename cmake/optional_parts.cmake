@@ -1,0 +1,57 @@
+# The parts that a vehicle does without, each built where its dependencies are found.
+
+# radar_dot_part(<name> <option> [<dependency> <found> <Debian package>]...): sets RADAR_DOT_HAS_<NAME>; <found> is a
+# target, or a variable that is true, where the dependency is there.
+function(radar_dot_part name option)
+  string(TOUPPER ${name} upper)
+  set(RADAR_DOT_HAS_${upper} FALSE PARENT_SCOPE)
+  set_property(CACHE ${option} PROPERTY STRINGS AUTO ON OFF)
+  if(NOT ${option} STREQUAL "AUTO" AND NOT ${option})
+    message(STATUS "radar_dot: ${name}: off (${option}=${${option}})")
+    return()
+  endif()
+
+  set(missing "")
+  set(packages "")
+  set(words ${ARGN})
+  while(words)
+    list(POP_FRONT words dependency found package)
+    if(NOT TARGET ${found} AND NOT ${found})
+      list(APPEND missing ${dependency})
+      list(APPEND packages ${package})
+    endif()
+  endwhile()
+  list(JOIN missing ", " missing)
+  list(JOIN packages " " packages)
+
+  if(NOT missing)
+    message(STATUS "radar_dot: ${name}: on")
+    set(RADAR_DOT_HAS_${upper} TRUE PARENT_SCOPE)
+  elseif(${option} STREQUAL "AUTO")
+    message(STATUS "radar_dot: ${name}: off (${missing} not found)")
+  else()
+    message(FATAL_ERROR "radar_dot: ${option}=${${option}} needs what is not found: ${missing}. "
+      "Install ${packages}, or build without the ${name}: -D${option}=OFF")
+  endif()
+endfunction()
+
+find_package(Boost QUIET OPTIONAL_COMPONENTS program_options)
+find_package(CLI11 QUIET)
+find_package(RapidJSON QUIET)
+find_package(embree 3 QUIET)
+find_package(yaml-cpp QUIET)
+find_package(TBB QUIET OPTIONAL_COMPONENTS tbbmalloc_proxy)
+radar_dot_part(simulation RADAR_DOT_WITH_SIMULATION
+  Embree embree_FOUND libembree-dev
+  RapidJSON RapidJSON_FOUND rapidjson-dev
+  TBB.tbbmalloc_proxy TBB::tbbmalloc_proxy libtbb-dev)
+radar_dot_part(tools RADAR_DOT_WITH_TOOLS
+  Boost.Program_options Boost::program_options libboost-program-options-dev
+  CLI11 CLI11_FOUND libcli11-dev
+  RapidJSON RapidJSON_FOUND rapidjson-dev
+  yaml-cpp yaml-cpp_FOUND libyaml-cpp-dev)
+if(RADAR_DOT_HAS_TOOLS AND NOT RADAR_DOT_HAS_SIMULATION)
+  message(STATUS "radar_dot: simulate_drive: off (needs the simulation)")
+elseif(RADAR_DOT_HAS_SIMULATION AND NOT RADAR_DOT_HAS_TOOLS)
+  message(STATUS "radar_dot: simulate_drive: off (needs the tools)")
+endif()

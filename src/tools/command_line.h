@@ -1,0 +1,143 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/program_options.hpp>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config_file.h"
+#include "radar_dot/common/fields.h"
+
+namespace radar_dot::tools {
+
+constexpr int kUsageError = 2;  ///< exit code
+
+/// Names of fields, for choosing which become options.
+using FieldFilter = std::function<bool(const Field&)>;
+FieldFilter only(std::vector<std::string> names);
+FieldFilter except(std::vector<std::string> names);
+
+/// The command line of a tool, an option per field: "--" + name with '-' for '_'. A flag takes --x, --no-x
+/// and --x=true; everything else a value. Nothing is abbreviated and no option is given twice.
+///
+///     CommandLine command_line("evaluate_depth", "Scores depth maps against lidar points.",
+///                              {"evaluate_depth --dataroot DIR"});
+///     command_line.setSections(sectionsOf(configuration));
+///     command_line.add("Input", fieldsOf(input));
+///     command_line.add("Depth", fieldsOf(configuration.depth), except({"backend"}));
+///     command_line.addOutputs("Output", fieldsOf(files));
+///     command_line.require("dataroot");
+///     if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;
+///
+/// Defaults are the values the fields have when parse() is called. What the fields describe must outlive the
+/// object.
+class CommandLine {
+ public:
+  /// @param purpose   one sentence
+  /// @param examples  command lines, at the end of the help
+  CommandLine(std::string tool, std::string purpose, std::vector<std::string> examples);
+
+  /// All sections of a configuration file, in use here or not. With them the tool has --config.
+  void setSections(std::vector<Section> sections);
+
+  /// An option for each field that the filter lets through and that has an effect without a live system.
+  /// Fields of one name become one option that sets all of them; in the help it is where it was first added.
+  /// @throws std::logic_error where their type, unit or range differ
+  void add(const std::string& heading, const FieldList& fields, const FieldFilter& filter = {});
+  /// The same for what belongs to one run alone, like files to write: parametersJson() leaves it out, so
+  /// that no report brings back where it was written.
+  void addOutputs(const std::string& heading, const FieldList& fields, const FieldFilter& filter = {});
+
+  /// An option that must be given, with a text that is not empty, where the condition holds after reading
+  /// all of them (empty: always). `alternative` is the option that takes its place, if there is one.
+  void require(const std::string& name, const std::string& alternative = "",
+               const std::function<bool()>& condition = {});
+  /// Two options that do not go together; a flag that is off goes with everything.
+  void exclude(const std::string& one, const std::string& other);
+
+  /// Sets the fields: first from the files of --config in their order, then from the command line.
+  /// @return the exit code where the tool is not to run: 0 after --help, kUsageError after a refusal, which
+  ///         is then one line on standard error
+  std::optional<int> parse(int argc, const char* const* argv);
+
+  /// Was a field of this option set by a file or the command line? @throws std::logic_error where there is
+  /// no such option
+  bool given(const std::string& name) const;
+  /// The same of one member of what the fields describe.
+  bool givenMember(const void* member) const { return given_.count(member) > 0; }
+
+  /// Says on standard error what is wrong with how the tool was called: "tool: what (see --help)".
+  /// @return kUsageError
+  int refuse(const std::string& what) const;
+  /// The same with options instead of the names of fields.
+  int refuse(const InvalidParameter& error) const;
+
+  /// What is in force of what the tool offers, for withParameters(): {"tool": ..., "<section>": {...}, ...,
+  /// "options": {...}}. --config reads the same values back.
+  std::string parametersJson() const;
+
+  std::string help() const;
+
+ private:
+  struct Option {
+    std::string name;  ///< with '-'
+    std::string heading;
+    std::vector<Field> fields;
+    std::vector<std::string> headings;  ///< of the fields
+    const Field& field() const { return fields.front(); }
+    bool isFlag() const { return field().type == FieldType::kBool; }
+  };
+  /// Of one call of add().
+  struct Added {
+    FieldList list;
+    std::vector<Field> offered;
+  };
+  struct Requirement {
+    std::string name, alternative;
+    std::function<bool()> condition;
+  };
+
+  /// One option as it was written.
+  struct Setting {
+    const Option* option;
+    std::string text;
+  };
+  struct Settings {
+    std::vector<std::string> files;
+    std::vector<Setting> values;
+  };
+
+  void addFields(const std::string& heading, const FieldList& fields, const FieldFilter& filter, bool output);
+  void addOption(const std::string& heading, const Field& field);
+  const Option* find(const std::string& name) const;
+  const Option& known(const std::string& name) const;
+  /// The words for Boost: flags with their values.
+  std::vector<std::string> wordsOf(int argc, const char* const* argv) const;
+  std::vector<boost::program_options::option> optionsIn(const std::vector<std::string>& words) const;
+  Settings settingsOf(const std::vector<boost::program_options::option>& parsed) const;
+  std::string helpOf(const Option& option) const;
+  void readFiles(const std::vector<std::string>& files);
+  void set(const Setting& setting);
+  void checkRules() const;
+  /// Given, and no flag that is off or text that is empty.
+  bool isOn(const std::string& name) const;
+  std::string nearestOption(const std::string& name) const;
+  std::string sectionOf(const FieldList& fields) const;
+  int complain(const std::string& line) const;
+
+  std::string tool_, purpose_;
+  std::vector<std::string> examples_;
+  std::vector<Section> sections_;
+  std::vector<Option> options_;
+  std::vector<Added> added_;  ///< without outputs
+  std::vector<Requirement> requirements_;
+  std::vector<std::pair<std::string, std::string>> exclusions_;
+  std::set<const void*> given_;
+};
+
+}  // namespace radar_dot::tools
