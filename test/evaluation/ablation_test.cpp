@@ -37,34 +37,34 @@ std::vector<AblationResult> results(const std::vector<SegmentationReport>& scene
 
 TEST(Ablation, EveryStepAddsOneThing) {
   SegmentationEvaluationOptions options;
-  options.channel = "CAM_BACK";
+  options.pairs.camera = "CAM_BACK";
   options.mask_directory = "masks";
-  options.motion.radar_gain = 3.0;
-  options.motion.static_gain = 0.5;
-  options.refine = options.look_back = true;
+  options.segmentation.motion.radar_gain = 3.0;
+  options.segmentation.motion.static_gain = 0.5;
+  options.segmentation.refine = options.segmentation.look_back = true;
   const std::vector<AblationStep> steps = ablationSteps(options);
   ASSERT_EQ(steps.size(), 6U);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const SegmentationEvaluationOptions& step = steps[i].options;
-    EXPECT_EQ(step.channel, "CAM_BACK");
+    EXPECT_EQ(step.pairs.camera, "CAM_BACK");
     EXPECT_TRUE(step.mask_directory.empty());
-    EXPECT_EQ(step.motion.score == MotionScore::kUncertainty, i >= 1) << steps[i].name;
-    EXPECT_EQ(step.optical_flow.forward_backward, i >= 1) << steps[i].name;
-    EXPECT_EQ(step.refine, i >= 2) << steps[i].name;
-    EXPECT_EQ(step.look_back, i >= 4) << steps[i].name;
-    EXPECT_EQ(step.memory, i >= 5 ? kMemory : 0.0) << steps[i].name;
-    EXPECT_EQ(step.motion.radar_gain, i >= 3 ? 3.0 : 0.0) << steps[i].name;
-    EXPECT_EQ(step.motion.static_gain, i >= 3 ? 0.5 : 0.0) << steps[i].name;
+    EXPECT_EQ(step.segmentation.motion.score == MotionScore::kUncertainty, i >= 1) << steps[i].name;
+    EXPECT_EQ(step.optical_flow.flow.forward_backward, i >= 1) << steps[i].name;
+    EXPECT_EQ(step.segmentation.refine, i >= 2) << steps[i].name;
+    EXPECT_EQ(step.segmentation.look_back, i >= 4) << steps[i].name;
+    EXPECT_EQ(step.segmentation.memory, i >= 5 ? kMemory : 0.0) << steps[i].name;
+    EXPECT_EQ(step.segmentation.motion.radar_gain, i >= 3 ? 3.0 : 0.0) << steps[i].name;
+    EXPECT_EQ(step.segmentation.motion.static_gain, i >= 3 ? 0.5 : 0.0) << steps[i].name;
   }
   const SegmentationEvaluationOptions best = bestOptions(options);
-  EXPECT_EQ(best.memory, kMemory);
+  EXPECT_EQ(best.segmentation.memory, kMemory);
   EXPECT_EQ(best.mask_directory, "masks");
-  options.memory = 0.2;
-  EXPECT_EQ(ablationSteps(options).back().options.memory, 0.2);
-  options.flow = "ground_truth";  // has no flow back
+  options.segmentation.memory = 0.2;
+  EXPECT_EQ(ablationSteps(options).back().options.segmentation.memory, 0.2);
+  options.optical_flow.flow.backend = "ground_truth";  // has no flow back
   ASSERT_EQ(ablationSteps(options).size(), 4U);
-  options.motion.radar_gain = 0.0;
-  EXPECT_EQ(ablationSteps(options).back().options.motion.radar_gain, MotionParams{}.radar_gain);
+  options.segmentation.motion.radar_gain = 0.0;
+  EXPECT_EQ(ablationSteps(options).back().options.segmentation.motion.radar_gain, MotionParams{}.radar_gain);
 }
 
 TEST(Ablation, TheTableHasScenesAsColumns) {

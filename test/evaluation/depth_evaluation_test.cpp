@@ -28,7 +28,7 @@ class DepthEvaluation : public ::testing::Test {
   static void TearDownTestSuite() { dataroot_.reset(); }
   static DepthReport evaluate(const std::string& depth, const std::string& truth) {
     DepthEvaluationOptions options;
-    options.depth = depth;
+    options.depth.depth.backend = depth;
     options.truth = truth;
     return evaluateDepth(dataroot_->tables(), 0, options);
   }
@@ -107,8 +107,8 @@ TEST_F(DepthEvaluation, HeldOutPointsAreNotSeen) {
   const std::string original = test::readFile(sweep);
   const auto evaluate_first = [&tables] {
     DepthEvaluationOptions options;
-    options.depth = "lidar";
-    options.truth = "lidar";
+    options.depth.depth.backend = "lidar";
+    options.truth = DepthTruth::kLidar;
     options.max_images = 1;
     return evaluateDepth(tables, 0, options).errors.within[0];
   };
@@ -140,7 +140,7 @@ TEST_F(DepthEvaluation, ImagesWithoutASweepAreCountedNotCompared) {
 
 TEST_F(DepthEvaluation, TheFirstImagesOnly) {
   DepthEvaluationOptions options;
-  options.depth = "ground_truth";
+  options.depth.depth.backend = "ground_truth";
   options.max_images = 2;
   EXPECT_EQ(evaluateDepth(dataroot_->tables(), 0, options).images, 2U);
 }
@@ -151,18 +151,15 @@ TEST_F(DepthEvaluation, RefusesWhatItDoesNotKnow) {
                                         parts);
   };
   DepthEvaluationOptions options;
-  options.truth = "radar";
-  expect(options, {"truth 'radar'", "ground_truth, lidar"});
-  options = {};
-  options.depth = "stereo";
+  options.depth.depth.backend = "stereo";
   expect(options, {"stereo"});
   options = {};
-  options.depth = "files";
-  expect(options, {"'files'"});
-  options.depth_directory = "/nowhere";
+  options.depth.depth.backend = "files";
+  expect(options, {"files", "depth_directory"});
+  options.depth_input.depth_directory = "/nowhere";
   expect(options, {"/nowhere"});
   options = {};
-  options.channel = "CAM_ROOF";
+  options.camera = "CAM_ROOF";
   expect(options, {"CAM_ROOF"});
 }
 
@@ -199,8 +196,8 @@ TEST(RealDepth, CompletedLidarIsNearTheHeldOutPoints) {
   load.scenes = {"scene-0061"};
   const dataset::Tables tables = dataset::Tables::load(dataroot, load);
   DepthEvaluationOptions options;
-  options.depth = "lidar";
-  options.truth = "lidar";
+  options.depth.depth.backend = "lidar";
+  options.truth = DepthTruth::kLidar;
   const DepthReport report = evaluateDepth(tables, tables.findScene("scene-0061"), options);
   EXPECT_EQ(report.images, 1U);
   EXPECT_GT(report.errors.within[0].coverage(), 0.6);

@@ -70,7 +70,7 @@ TEST_F(Evaluation, ExactRadarGivesExactFigures) {
 
 TEST_F(Evaluation, TheFilterFollowsExactRadar) {
   VelocityEvaluationOptions options;
-  options.filter = true;
+  options.ego_velocity.filter = true;
   for (const bool by_radar : {true, false}) {
     options.filter_radars = by_radar;
     for (const char* scene : {NuscenesFixture::kStraightScene, NuscenesFixture::kTurningScene}) {
@@ -119,7 +119,7 @@ TEST_F(Evaluation, ReturnsInSavedMasksAreDynamic) {
   const VelocityReport without = evaluate(NuscenesFixture::kStraightScene);
   const test::TemporaryFolder folder;
   VelocityEvaluationOptions options;
-  options.mask_directory = folder.path().string();
+  options.masks.directory = folder.path().string();
   writeMasks(folder.path(), *tables_, 0.0);
   const VelocityReport nothing = evaluate(NuscenesFixture::kStraightScene, options);
   EXPECT_EQ(nothing.dynamic.false_positives, without.dynamic.false_positives);
@@ -139,16 +139,16 @@ TEST_F(Evaluation, SavedMasksSpeakOnlyOnceKnownAndWithinTheirAge) {
   const test::TemporaryFolder folder;
   writeMasks(folder.path(), *tables_, 255.0);
   VelocityEvaluationOptions options;
-  options.mask_directory = folder.path().string();
-  options.mask_delay = 100.0;
+  options.masks.directory = folder.path().string();
+  options.masks.delay = 100.0;
   EXPECT_EQ(evaluate(NuscenesFixture::kStraightScene, options).mae.at("B1").sum, without.mae.at("B1").sum);
-  options.mask_delay =
+  options.masks.delay =
       0.5;  // at the middle of a pair of keyframes the mask is three quarters of a second old
-  options.max_mask_age = 0.6;
+  options.ego_velocity.mask_max_age = 0.6;
   EXPECT_EQ(evaluate(NuscenesFixture::kStraightScene, options).mae.at("B1").sum, without.mae.at("B1").sum);
-  options.max_mask_age = 1.1;
+  options.ego_velocity.mask_max_age = 1.1;
   EXPECT_NE(evaluate(NuscenesFixture::kStraightScene, options).mae.at("B1").sum, without.mae.at("B1").sum);
-  options.max_mask_age = -1.0;
+  options.ego_velocity.mask_max_age = -1.0;
   test::expectRefusal<std::invalid_argument>([&] { evaluate(NuscenesFixture::kStraightScene, options); },
                                              {"max_mask_age", "-1"});
 }
@@ -156,20 +156,20 @@ TEST_F(Evaluation, SavedMasksSpeakOnlyOnceKnownAndWithinTheirAge) {
 TEST_F(Evaluation, MasksOfNothingAreNamed) {
   const test::TemporaryFolder folder;
   VelocityEvaluationOptions options;
-  options.mask_directory = folder.path().string();
+  options.masks.directory = folder.path().string();
   const auto expect = [&options](std::initializer_list<std::string> parts) {
     test::expectRefusal<dataset::DatasetError>(
         [&options] { evaluate(NuscenesFixture::kStraightScene, options); }, parts);
   };
   expect({folder.path().string(), "CAM_FRONT", NuscenesFixture::kStraightScene});
-  options.mask_channel = "CAM_ROOF";
+  options.masks.channel = "CAM_ROOF";
   expect({"CAM_ROOF", NuscenesFixture::kStraightScene});
 }
 
 // One forward radar cannot tell sideslip from yaw: no yaw-rate figure, but vx.
 TEST_F(Evaluation, OneRadarReportsWhatItCanSee) {
   VelocityEvaluationOptions options;
-  options.channels = {"RADAR_FRONT"};
+  options.radar_channels = {"RADAR_FRONT"};
   const VelocityReport report = evaluate(NuscenesFixture::kStraightScene, options);
   EXPECT_EQ(report.refused, 0U);
   EXPECT_LT(report.models.at("planar_yaw").vx.value(), 5e-3);
@@ -180,7 +180,7 @@ TEST_F(Evaluation, OneRadarReportsWhatItCanSee) {
 // A mount turned away from its calibration shows up as the turn back, and only there.
 TEST_F(Evaluation, AMountThatIsTurnedIsFound) {
   VelocityEvaluationOptions options;
-  options.mount_yaw_corrections["RADAR_FRONT_LEFT"] = 0.02;
+  options.mount_yaw_corrections = {"RADAR_FRONT_LEFT=0.02"};
   const VelocityReport report = evaluate(NuscenesFixture::kStraightScene, options);
   EXPECT_NEAR(report.mounts.at("RADAR_FRONT_LEFT").yaw(), -0.02, 1e-3);
   EXPECT_NEAR(report.mounts.at("RADAR_BACK_RIGHT").yaw(), 0.0, 1e-3);
@@ -215,7 +215,7 @@ TEST_F(Evaluation, WithoutAnnotationsThereIsNoLabelFigure) {
 
 TEST_F(Evaluation, AnUnknownChannelIsNamedWithTheRadarsAtHand) {
   VelocityEvaluationOptions options;
-  options.channels = {"RADAR_REAR"};
+  options.radar_channels = {"RADAR_REAR"};
   test::expectRefusal<dataset::DatasetError>([&] { evaluate(NuscenesFixture::kStraightScene, options); },
                                              {"RADAR_REAR", "RADAR_FRONT_LEFT"});
 }
@@ -272,10 +272,10 @@ class RealData : public ::testing::Test {
     if (!std::filesystem::exists(dataroot)) GTEST_SKIP() << "no real data under " << dataroot;
     const dataset::Tables tables = dataset::Tables::load(dataroot);
     VelocityEvaluationOptions options;
-    options.extraction.doppler_scale = kNuscenesDopplerScale;
-    options.bearing_delay = kNuscenesBearingDelay;
-    options.filter = filter;
-    options.filter_params.lateral_slip_std = 0.01;
+    options.ego_velocity.extraction.doppler_scale = kNuscenesDopplerScale;
+    options.ego_velocity.bearing_delay = kNuscenesBearingDelay;
+    options.ego_velocity.filter = filter;
+    options.ego_velocity.filter_params.lateral_slip_std = 0.01;
     for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
       const VelocityReport report = evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene), options);
       check(report);

@@ -61,9 +61,9 @@ class FixtureFlowEvaluation : public ::testing::Test {
   }
   static FlowReport evaluate(const std::string& flow, int working_width = 160) {
     FlowEvaluationOptions options;
-    options.flow = flow;
-    options.working_width = working_width;
-    options.max_pairs = 2;
+    options.optical_flow.flow.backend = flow;
+    options.optical_flow.flow.working_width = options.depth.working_width = working_width;
+    options.pairs.max_pairs = 2;
     return evaluateFlow(*tables_, 0, options);
   }
   static std::unique_ptr<test::NuscenesFixture> fixture_;
@@ -139,10 +139,10 @@ TEST_F(FixtureFlowEvaluation, TheTruthHasNoErrorFromFilesEither) {
   EXPECT_EQ(exact.errors.all.density(), 1.0);
   EXPECT_TRUE(std::isnan(exact.medianSeconds()));
   FlowEvaluationOptions options;
-  options.flow = "files";
-  options.flow_directory = (fixture_->dataroot() / "ground_truth" / "keyframe_flow").string();
-  options.working_width = 0;
-  options.max_pairs = 1;
+  options.optical_flow.flow.backend = "files";
+  options.pairs.flow_directory = (fixture_->dataroot() / "ground_truth" / "keyframe_flow").string();
+  options.optical_flow.flow.working_width = options.depth.working_width = 0;
+  options.pairs.max_pairs = 1;
   const FlowReport report = evaluateFlow(*tables_, 0, options);
   EXPECT_EQ(report.errors.all.sum, 0.0);
   EXPECT_EQ(report.errors.all.density(), 1.0);
@@ -153,23 +153,20 @@ TEST_F(FixtureFlowEvaluation, RefusesWhatItDoesNotKnow) {
     test::expectRefusal<std::exception>([&options] { evaluateFlow(*tables_, 0, options); }, parts);
   };
   FlowEvaluationOptions options;
-  options.pairs = "triplets";
-  expect(options, {"pairs 'triplets'", "keyframes, next"});
-  options = {};
-  options.pairs = "next";  // which has no files
+  options.pairs.pairs = ImagePairs::kNext;  // which has no files
   expect(options, {"ground_truth/flow", "simulated"});
   options = {};
-  options.flow = "telepathy";
+  options.optical_flow.flow.backend = "telepathy";
   expect(options, {"telepathy", "dis"});
   options = {};
-  options.flow = "files";
-  expect(options, {"--flow-directory"});
+  options.optical_flow.flow.backend = "files";
+  expect(options, {"flow_directory"});
   options = {};
-  options.channel = "CAM_ROOF";
+  options.pairs.camera = "CAM_ROOF";
   expect(options, {"CAM_ROOF"});
   options = {};
-  options.optical_flow.initialisation = "expected";
-  options.depth = "stereo";
+  options.optical_flow.flow.initialisation = FlowStart::kExpected;
+  options.depth.depth.backend = "stereo";
   expect(options, {"stereo"});
 }
 
@@ -185,11 +182,11 @@ class SimulatedFlowEvaluation : public ::testing::Test {
 std::unique_ptr<test::SimulatedDataroot> SimulatedFlowEvaluation::dataroot_;
 
 TEST_F(SimulatedFlowEvaluation, BothKindsOfPairsHaveTheirTruth) {
-  for (const char* pairs : {"keyframes", "next"}) {
-    SCOPED_TRACE(pairs);
+  for (const ImagePairs pairs : {ImagePairs::kKeyframes, ImagePairs::kNext}) {
+    SCOPED_TRACE(std::string(toString(pairs)));
     FlowEvaluationOptions options;
-    options.pairs = pairs;
-    options.flow = "ground_truth";
+    options.pairs.pairs = pairs;
+    options.optical_flow.flow.backend = "ground_truth";
     const FlowReport exact = evaluate(options);
     EXPECT_GE(exact.pairs, 3U);
     EXPECT_GT(exact.errors.still.compared, 100000U);
@@ -197,8 +194,8 @@ TEST_F(SimulatedFlowEvaluation, BothKindsOfPairsHaveTheirTruth) {
     EXPECT_EQ(exact.errors.all.sum, 0.0);
     EXPECT_EQ(exact.errors.all.density(), 1.0);
     EXPECT_EQ(evaluate(options, 1).errors.moving.true_pixels, 0U);
-    options.flow = "dis";
-    EXPECT_LT(evaluate(options).errors.all.median(), std::string(pairs) == "next" ? 1.0 : 20.0);
+    options.optical_flow.flow.backend = "dis";
+    EXPECT_LT(evaluate(options).errors.all.median(), pairs == ImagePairs::kNext ? 1.0 : 20.0);
   }
 }
 
@@ -206,10 +203,10 @@ TEST_F(SimulatedFlowEvaluation, BothKindsOfPairsHaveTheirTruth) {
 TEST_F(SimulatedFlowEvaluation, ExpectedIsTheFlowOfAStaticWorld) {
   answerWith([](const cv::Size&, const cv::Mat& expected) { return FlowField{expected.clone(), {}}; });
   FlowEvaluationOptions options;
-  options.flow = "known";
-  options.depth = "ground_truth";
-  options.working_width = 0;
-  options.optical_flow.initialisation = "expected";
+  options.optical_flow.flow.backend = "known";
+  options.depth.depth.backend = "ground_truth";
+  options.optical_flow.flow.working_width = options.depth.working_width = 0;
+  options.optical_flow.flow.initialisation = FlowStart::kExpected;
   const FlowErrors errors = evaluate(options).errors;
   EXPECT_GT(errors.still.density(), 0.98);  // depth ends at 256 m
   EXPECT_LT(errors.still.mean(), 0.1);
@@ -256,9 +253,9 @@ TEST_F(FlowPair, KnownErrorsOnEveryGrid) {
 
 TEST_F(FlowPair, RefusesFilesThatDoNotFit) {
   answerWith([](const cv::Size& size, const cv::Mat&) { return constant(size, 0.0, 0.0); });
-  params_.initialisation = "expected";
-  expectRefusal({"'expected'", "one pair"});
-  params_.initialisation = "none";
+  params_.initialisation = FlowStart::kExpected;
+  expectRefusal({"expected", "single pair"});
+  params_.initialisation = FlowStart::kNone;
   params_.backend = "telepathy";
   expectRefusal({"telepathy"});
   params_.backend = "known";

@@ -50,19 +50,19 @@ class ObjectMasksTest : public ::testing::Test {
   ObjectEvaluationOptions options() const {
     ObjectEvaluationOptions options;
     options.masks.directory = masks().string();
-    options.masks.depth = "files";
-    options.masks.depth_directory = depths().string();
-    options.masks.regions.relative_depth_std = 0.02;
-    options.tracker.initial_speed_std = 10.0;
-    options.tracker.min_coast = options.tracker.max_coast = 0.6;
-    options.tracker.confirm_hits = 2;
+    options.depth.depth.backend = "files";
+    options.depth_input.depth_directory = depths().string();
+    options.objects.regions.relative_depth_std = 0.02;
+    options.objects.tracker.initial_speed_std = 10.0;
+    options.objects.tracker.min_coast = options.objects.tracker.max_coast = 0.6;
+    options.objects.tracker.confirm_hits = 2;
     return options;
   }
 
   /// No return of the radar says that anything moves.
   static void blindRadar(ObjectEvaluationOptions& options) {
-    options.returns.segmentation.isolated_threshold = options.returns.segmentation.supported_threshold = 1e3;
-    options.detection.weak_threshold = std::numeric_limits<double>::infinity();
+    options.objects.returns.segmentation.isolated_threshold = options.objects.returns.segmentation.supported_threshold = 100.0;
+    options.objects.detection.weak_threshold = std::numeric_limits<double>::infinity();
     options.doubtful = false;
   }
 
@@ -79,7 +79,7 @@ TEST_F(ObjectMasksTest, AMoverSeenByTheMaskAloneIsFoundWhereMasksStartTracks) {
   ObjectEvaluationOptions options = this->options();
   blindRadar(options);
   EXPECT_EQ(evaluate(options).all().matched, 0U) << "masks only carry tracks on";
-  options.masks.starts_tracks = true;
+  options.objects.mask_starts_tracks = true;
   const ObjectReport report = evaluate(options);
   EXPECT_EQ(report.all().movers, 8U);
   // The first mask is older than the first velocity; the third one, shortly after its keyframe, confirms.
@@ -94,7 +94,7 @@ TEST_F(ObjectMasksTest, AMoverSeenByTheMaskAloneIsFoundWhereMasksStartTracks) {
 
 TEST_F(ObjectMasksTest, RegionAndReturnsAreOneObject) {
   ObjectEvaluationOptions options = this->options();
-  options.masks.starts_tracks = true;
+  options.objects.mask_starts_tracks = true;
   const ObjectReport with = evaluate(options);
   options.masks.directory.clear();
   const ObjectReport without = evaluate(options);
@@ -109,23 +109,23 @@ TEST_F(ObjectMasksTest, RegionAndReturnsAreOneObject) {
 TEST_F(ObjectMasksTest, MasksSpeakOnceTheyAreKnown) {
   ObjectEvaluationOptions options = this->options();
   blindRadar(options);
-  options.masks.starts_tracks = true;
-  options.tracker.max_lag = 1.0;
-  options.tracker.min_coast = options.tracker.max_coast = options.tracker.max_weak_time = 1.5;
+  options.objects.mask_starts_tracks = true;
+  options.objects.tracker.max_lag = 1.0;
+  options.objects.tracker.min_coast = options.objects.tracker.max_coast = options.objects.tracker.max_weak_time = 1.5;
   EXPECT_EQ(evaluate(options).all().matched, 5U);
   options.masks.delay = 0.55;
   EXPECT_EQ(evaluate(options).all().matched, 4U) << "the third mask is known after the fourth keyframe";
-  options.tracker.max_lag = 0.5;
+  options.objects.tracker.max_lag = 0.5;
   test::expectRefusal<std::invalid_argument>([&] { evaluate(options); }, {"0.55", "max_lag"});
 }
 
 TEST_F(ObjectMasksTest, SmallRegionsAreLeftOut) {
   ObjectEvaluationOptions options = this->options();
   blindRadar(options);
-  options.masks.starts_tracks = true;
-  options.masks.regions.min_pixels = 6000;  // 100 px x 60 px on a grid 800 px wide
+  options.objects.mask_starts_tracks = true;
+  options.objects.regions.min_pixels = 6000;  // 100 px x 60 px on a grid 800 px wide
   EXPECT_EQ(evaluate(options).all().matched, 5U);
-  options.masks.regions.min_pixels = 6001;
+  options.objects.regions.min_pixels = 6001;
   EXPECT_EQ(evaluate(options).all().matched, 0U);
 }
 
@@ -138,9 +138,9 @@ TEST_F(ObjectMasksTest, WhatIsMissingIsNamed) {
   options.masks.channel = "CAM_ROOF";
   test::expectRefusal<dataset::DatasetError>([&] { evaluate(options); }, {"CAM_ROOF"});
   options = this->options();
-  options.masks.depth_directory = masks().string() + "/none";
+  options.depth_input.depth_directory = masks().string() + "/none";
   test::expectRefusal<dataset::DatasetError>([&] { evaluate(options); }, {masks().string() + "/none"});
-  options.masks.depth = "sonar";
+  options.depth.depth.backend = "sonar";
   test::expectRefusal<std::invalid_argument>([&] { evaluate(options); }, {"sonar"});
 }
 

@@ -26,29 +26,29 @@ class SegmentationEvaluation : public ::testing::Test {
   }
   static SegmentationEvaluationOptions everythingTrue() {
     SegmentationEvaluationOptions options;
-    options.flow = "ground_truth";
-    options.depth = "ground_truth";
-    options.velocity = "ground_truth";
-    options.working_width = 0;
+    options.optical_flow.flow.backend = "ground_truth";
+    options.depth.depth.backend = "ground_truth";
+    options.velocity = VelocitySource::kGroundTruth;
+    options.optical_flow.flow.working_width = options.depth.working_width = 0;
     options.min_true_residual = 1.0;
     // Everything is exact: what differs at all moves. Depth alone is not looked at: between the pixels of an
     // edge it means nothing.
-    options.motion.min_threshold = 0.05;
-    options.motion.k = 6.0;
-    options.motion.lambda = 0.0;
-    options.motion.occlusion_margin = 1.0;
-    options.motion.predicted_in_view = false;
-    options.motion.opening = 0;
-    options.motion.closing = 0;
+    options.segmentation.motion.min_threshold = 0.05;
+    options.segmentation.motion.k = 6.0;
+    options.segmentation.motion.lambda = 0.0;
+    options.segmentation.motion.occlusion_margin = 1.0;
+    options.segmentation.motion.predicted_in_view = false;
+    options.segmentation.motion.opening = 0;
+    options.segmentation.motion.closing = 0;
     return options;
   }
 
   /// True masks, and the paper's estimator without consensus: many movers spoil it, unless it is told which.
   static SegmentationEvaluationOptions plainVelocity() {
     SegmentationEvaluationOptions options = everythingTrue();
-    options.velocity = "radar";
-    options.estimator.solver = Solver::kLeastSquares;
-    options.estimator.model = MotionModel::kPlanar;
+    options.velocity = VelocitySource::kRadar;
+    options.ego_velocity.estimator.solver = Solver::kLeastSquares;
+    options.ego_velocity.estimator.model = MotionModel::kPlanar;
     return options;
   }
 
@@ -67,10 +67,10 @@ class SegmentationEvaluation : public ::testing::Test {
 std::unique_ptr<test::SimulatedDataroot> SegmentationEvaluation::dataroot_;
 
 TEST_F(SegmentationEvaluation, TrueInputsGiveTheTrueMask) {
-  for (const char* pairs : {"keyframes", "next"}) {
-    SCOPED_TRACE(pairs);
+  for (const ImagePairs pairs : {ImagePairs::kKeyframes, ImagePairs::kNext}) {
+    SCOPED_TRACE(std::string(toString(pairs)));
     SegmentationEvaluationOptions options = everythingTrue();
-    options.pairs = pairs;
+    options.pairs.pairs = pairs;
     const SegmentationReport report = evaluate(options);
     EXPECT_EQ(report.scene, dataroot_->tables().scenes[0].name);
     EXPECT_GT(report.pixels.true_positives, 500U);
@@ -89,9 +89,9 @@ TEST_F(SegmentationEvaluation, NothingMovesInTheCarPark) {
 
 TEST_F(SegmentationEvaluation, RadarDisAndNoisyDepthFindMovers) {
   SegmentationEvaluationOptions options;
-  options.depth = "noisy";
-  options.pairs = "next";
-  options.working_width = 320;
+  options.depth.depth.backend = "noisy";
+  options.pairs.pairs = ImagePairs::kNext;
+  options.optical_flow.flow.working_width = options.depth.working_width = 320;
   const SegmentationReport report = evaluate(options);
   EXPECT_EQ(report.without_motion, 0U);
   EXPECT_GT(report.iou(), 0.05);
@@ -101,53 +101,53 @@ TEST_F(SegmentationEvaluation, RadarDisAndNoisyDepthFindMovers) {
 // flow.
 TEST_F(SegmentationEvaluation, LookingBackFindsMoreMovers) {
   SegmentationEvaluationOptions options;
-  options.depth = "noisy";
-  options.working_width = 400;
-  options.optical_flow.forward_backward = true;
-  options.optical_flow.initialisation = "expected";
-  options.motion.score = MotionScore::kUncertainty;
-  options.refine = true;
+  options.depth.depth.backend = "noisy";
+  options.optical_flow.flow.working_width = options.depth.working_width = 400;
+  options.optical_flow.flow.forward_backward = true;
+  options.optical_flow.flow.initialisation = FlowStart::kExpected;
+  options.segmentation.motion.score = MotionScore::kUncertainty;
+  options.segmentation.refine = true;
   const SegmentationReport plain = evaluate(options);
-  options.look_back = true;
+  options.segmentation.look_back = true;
   const SegmentationReport back = evaluate(options);
   EXPECT_GT(back.iou(), 1.1 * plain.iou());
   EXPECT_GT(back.pixels.true_positives, plain.pixels.true_positives);
   // Of the first image of a scene there is no past, and with it alone nothing changes.
-  options.max_pairs = 1;
+  options.pairs.max_pairs = 1;
   const std::size_t first = evaluate(options).pixels.true_positives;
-  options.look_back = false;
+  options.segmentation.look_back = false;
   EXPECT_EQ(evaluate(options).pixels.true_positives, first);
-  options.max_pairs = 0;
-  options.memory = 0.4;
+  options.pairs.max_pairs = 0;
+  options.segmentation.memory = 0.4;
   EXPECT_NE(evaluate(options).pixels.true_positives, plain.pixels.true_positives);
   // With pairs of neighbouring images the one before a pair is no part of another.
   options = {};
-  options.depth = "noisy";
-  options.pairs = "next";
-  options.working_width = 320;
-  options.optical_flow.forward_backward = true;
-  options.motion.score = MotionScore::kUncertainty;
+  options.depth.depth.backend = "noisy";
+  options.pairs.pairs = ImagePairs::kNext;
+  options.optical_flow.flow.working_width = options.depth.working_width = 320;
+  options.optical_flow.flow.forward_backward = true;
+  options.segmentation.motion.score = MotionScore::kUncertainty;
   const std::size_t once = evaluate(options).pixels.true_positives;
-  options.look_back = true;
+  options.segmentation.look_back = true;
   EXPECT_NE(evaluate(options).pixels.true_positives, once);
 }
 
 TEST_F(SegmentationEvaluation, ThePastNeedsAFlowBackAndTheScoreByUncertainty) {
   SegmentationEvaluationOptions options;
-  options.look_back = true;
-  options.motion.score = MotionScore::kUncertainty;
+  options.segmentation.look_back = true;
+  options.segmentation.motion.score = MotionScore::kUncertainty;
   test::expectRefusal<std::invalid_argument>([&] { evaluate(options); }, {"forward_backward"});
-  options.flow = "ground_truth";
+  options.optical_flow.flow.backend = "ground_truth";
   test::expectRefusal<std::invalid_argument>([&] { evaluate(options); }, {"ground_truth"});
-  options.look_back = false;
-  options.memory = -1.0;
+  options.segmentation.look_back = false;
+  options.segmentation.memory = -1.0;
   test::expectRefusal<std::invalid_argument>([&] { evaluate(options); }, {"memory", "-1"});
 }
 
 TEST_F(SegmentationEvaluation, TheBestMasksAreEmptyWhereNothingMoves) {
   SegmentationEvaluationOptions options;
-  options.depth = "noisy";
-  options.optical_flow.initialisation = "expected";
+  options.depth.depth.backend = "noisy";
+  options.optical_flow.flow.initialisation = FlowStart::kExpected;
   options = bestOptions(options);
   const SegmentationReport report = evaluate(options, 1);
   EXPECT_GT(report.frames, 0U);
@@ -158,9 +158,9 @@ TEST_F(SegmentationEvaluation, WrongMotionFillsThePicture) {
   SegmentationEvaluationOptions options = everythingTrue();
   options.min_true_residual = 0.0;
   // Radar as if the car drove backwards: nothing agrees, so that the score of the static world is large.
-  options.velocity = "radar";
+  options.velocity = VelocitySource::kRadar;
   const double right = evaluate(options).iou();
-  options.extraction.doppler_scale = -1.0;
+  options.ego_velocity.extraction.doppler_scale = -1.0;
   const double wrong = evaluate(options).iou();
   EXPECT_LT(wrong, 0.5 * right);
 }
@@ -168,12 +168,12 @@ TEST_F(SegmentationEvaluation, WrongMotionFillsThePicture) {
 // A true depth declares 0.01: with its own word, the constant does not matter.
 TEST_F(SegmentationEvaluation, UsesTheUncertaintyThatTheDepthDeclares) {
   SegmentationEvaluationOptions options = everythingTrue();
-  options.motion.score = MotionScore::kUncertainty;
-  options.motion.depth_std = 0.01;
+  options.segmentation.motion.score = MotionScore::kUncertainty;
+  options.segmentation.motion.noise.depth_std = 0.01;
   const Confusion expected = evaluate(options).pixels;
-  options.motion.depth_std = 5.0;
+  options.segmentation.motion.noise.depth_std = 5.0;
   const Confusion constant = evaluate(options).pixels;
-  options.depth_uncertainty = true;
+  options.segmentation.use_depth_uncertainty = true;
   const Confusion declared = evaluate(options).pixels;
   EXPECT_GT(expected.true_positives, 0U);
   EXPECT_NE(constant.true_positives, expected.true_positives);
@@ -184,23 +184,23 @@ TEST_F(SegmentationEvaluation, UsesTheUncertaintyThatTheDepthDeclares) {
 TEST_F(SegmentationEvaluation, TheErrorOfTheVelocityIsReported) {
   SegmentationEvaluationOptions options = everythingTrue();
   EXPECT_EQ(evaluate(options).velocity_error.count, 0U);  // the true one has none
-  for (const char* velocity : {"radar", "radar_start"}) {
-    SCOPED_TRACE(velocity);
+  for (const VelocitySource velocity : {VelocitySource::kRadar, VelocitySource::kRadarStart}) {
+    SCOPED_TRACE(std::string(toString(velocity)));
     options.velocity = velocity;
-    options.extraction.doppler_scale = 1.0;
+    options.ego_velocity.extraction.doppler_scale = 1.0;
     const SegmentationReport right = evaluate(options);
     EXPECT_EQ(right.velocity_error.count, right.frames);
     EXPECT_LT(right.velocity_error.value(), 0.3);
     // A Doppler that reads a half too high makes the vehicle half as fast again.
-    options.extraction.doppler_scale = 1.5;
+    options.ego_velocity.extraction.doppler_scale = 1.5;
     EXPECT_NEAR(evaluate(options).velocity_error.value(), 0.5 * meanSpeed(), 0.3 + 0.05 * meanSpeed());
   }
 }
 
 TEST_F(SegmentationEvaluation, MasksKeepMoversOutOfTheVelocity) {
   SegmentationEvaluationOptions options = plainVelocity();
-  for (const char* velocity : {"radar", "radar_start"}) {
-    SCOPED_TRACE(velocity);
+  for (const VelocitySource velocity : {VelocitySource::kRadar, VelocitySource::kRadarStart}) {
+    SCOPED_TRACE(std::string(toString(velocity)));
     options.velocity = velocity;
     options.mask_to_velocity = false;
     const SegmentationReport without = evaluate(options);
@@ -217,10 +217,10 @@ TEST_F(SegmentationEvaluation, MasksSpeakOnlyAfterTheirPairAndWithinTheirAge) {
   const double without = evaluate(options).velocity_error.sum;
   options.mask_to_velocity = true;
   EXPECT_NE(evaluate(options).velocity_error.sum, without);
-  options.max_mask_age = 0.3;
+  options.ego_velocity.mask_max_age = 0.3;
   EXPECT_EQ(evaluate(options).velocity_error.sum, without);
   options = plainVelocity();
-  options.max_pairs = 1;
+  options.pairs.max_pairs = 1;
   const double first = evaluate(options).velocity_error.sum;
   options.mask_to_velocity = true;
   EXPECT_EQ(evaluate(options).velocity_error.sum, first);
@@ -231,22 +231,19 @@ TEST_F(SegmentationEvaluation, TheLoopNeedsAVelocityByRadarAndAnAge) {
   options.mask_to_velocity = true;
   test::expectRefusal<std::invalid_argument>([&options] { evaluate(options); },
                                              {"mask_to_velocity", "ground_truth"});
-  options.velocity = "radar";
-  options.max_mask_age = -1.0;
-  test::expectRefusal<std::invalid_argument>([&options] { evaluate(options); }, {"max_mask_age", "-1"});
+  options.velocity = VelocitySource::kRadar;
+  options.ego_velocity.mask_max_age = -1.0;
+  test::expectRefusal<std::invalid_argument>([&options] { evaluate(options); }, {"mask_max_age", "-1"});
 }
 
 TEST_F(SegmentationEvaluation, RefusesWhatItDoesNotKnow) {
   SegmentationEvaluationOptions options;
-  options.pairs = "triplets";
+  options.optical_flow.flow.backend = "files";
   EXPECT_THROW(evaluate(options), std::invalid_argument);
-  options = {};
-  options.flow = "files";
-  EXPECT_THROW(evaluate(options), std::invalid_argument);
-  options.flow_directory = "/nowhere";
+  options.pairs.flow_directory = "/nowhere";
   EXPECT_THROW(evaluate(options), dataset::DatasetError);
   options = {};
-  options.channel = "CAM_BACK";
+  options.pairs.camera = "CAM_BACK";
   EXPECT_THROW(evaluate(options), dataset::DatasetError);
 }
 

@@ -537,8 +537,6 @@ TEST(EgoVelocity, SenselessParametersAreNamed) {
     }
     return std::string();
   };
-  EXPECT_NE(messageOf([](auto& p) { p.ransac_iterations = 0; }).find("ransac_iterations"), std::string::npos);
-  EXPECT_NE(messageOf([](auto& p) { p.noise.doppler_std = 0.0; }).find("doppler_std"), std::string::npos);
   EXPECT_NE(messageOf([](auto& p) { p.inlier_threshold = std::nan(""); }).find("inlier_threshold"),
             std::string::npos);
   EXPECT_THROW(fromString<MotionModel>("bicycle"), std::invalid_argument);

@@ -265,9 +265,6 @@ TEST(VelocityFilter, ParametersThatMakeNoSenseAreNamed) {
     EXPECT_THROW(VelocityFilter{params}, std::invalid_argument);
   };
   refused([](auto& p) { p.longitudinal_jerk = 0.0; });
-  refused([](auto& p) { p.yaw_acceleration_time = -1.0; });
-  refused([](auto& p) { p.mount_yaw_std = std::numeric_limits<double>::quiet_NaN(); });
-  refused([](auto& p) { p.max_rejected = 0; });
   refused([](auto& p) { p.max_gap = 0.0; });
 }
 

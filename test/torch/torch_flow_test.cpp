@@ -97,7 +97,7 @@ TEST_F(TorchFlow, FlowThereAndBackMustClose) {
 
 TEST_F(TorchFlow, MayStartFromAnExpectedFlow) {
   OpticalFlowParams params = paramsOf(test::networks::constantFlow(0.0, 0.0));
-  params.initialisation = "expected";
+  params.initialisation = FlowStart::kExpected;
   params.working_width = 0;
   const cv::Mat expected(90, 160, CV_32FC2, cv::Scalar(5.0, -2.0));  // a quarter of the image
   expectFlow(makeOpticalFlow(params)->compute(image(640, 360), image(640, 360), expected).flow, 20.0F, -8.0F);

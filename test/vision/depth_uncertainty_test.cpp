@@ -62,11 +62,11 @@ TEST(GroundRelativeStd, IsTheFiniteDifferenceOfGroundDepth) {
   constexpr double kStep = 1e-3, kHeight = -0.2, kPitch = 0.06;
   for (const Eigen::Isometry3d& T_base_from_camera : {mount(), tilted()}) {
     const cv::Mat by_pitch =
-        groundRelativeStd(kCamera, T_base_from_camera, kHeight, kPitch, {kStep, 0.0, 0.0});
+        groundRelativeStd(kCamera, T_base_from_camera, {kPitch, kHeight, {kStep, 0.0, 0.0}});
     const cv::Mat by_height =
-        groundRelativeStd(kCamera, T_base_from_camera, kHeight, kPitch, {0.0, kStep, 0.0});
+        groundRelativeStd(kCamera, T_base_from_camera, {kPitch, kHeight, {0.0, kStep, 0.0}});
     const cv::Mat of_both =
-        groundRelativeStd(kCamera, T_base_from_camera, kHeight, kPitch, {0.02, 0.05, 0.1});
+        groundRelativeStd(kCamera, T_base_from_camera, {kPitch, kHeight, {0.02, 0.05, 0.1}});
     for (const auto& [v, u] : {std::pair(160, 200), std::pair(220, 30), std::pair(300, 390)}) {
       const double pitch = change(T_base_from_camera, v, u, kHeight, kPitch, 0.0, kStep);
       const double height = change(T_base_from_camera, v, u, kHeight, kPitch, kStep, 0.0);
@@ -82,23 +82,10 @@ TEST(GroundRelativeStd, IsTheFiniteDifferenceOfGroundDepth) {
 // A level camera 1.5 m high sees the ground 10 m before it at row 160, 11 m before the base frame's origin:
 // 1 mrad is 11 mm there, of 1.5 m.
 TEST(GroundRelativeStd, LevelCamera) {
-  const cv::Mat stds = groundRelativeStd(kCamera, mount(), 0.0, 0.0, {1e-3, 0.0, 0.0});
+  const cv::Mat stds = groundRelativeStd(kCamera, mount(), {0.0, 0.0, {1e-3, 0.0, 0.0}});
   EXPECT_NEAR(static_cast<double>(stds.at<float>(160, 200)), 0.011 / 1.5, 1e-6);
   EXPECT_TRUE(std::isnan(stds.at<float>(100, 200)));  // the horizon
   EXPECT_TRUE(std::isnan(stds.at<float>(20, 200)));
-}
-
-// One source for the two that know of the ground.
-TEST(GroundUncertainty, IsTheSameInDepthAndRefinement) {
-  const GroundUncertainty ground;
-  const DepthParams depth;
-  const RefinementParams refinement;
-  EXPECT_EQ(depth.ground_pitch_std, ground.pitch_std);
-  EXPECT_EQ(depth.ground_height_std, ground.height_std);
-  EXPECT_EQ(depth.ground_relative_std, ground.relative_std);
-  EXPECT_EQ(refinement.ground_pitch_std, ground.pitch_std);
-  EXPECT_EQ(refinement.ground_height_std, ground.height_std);
-  EXPECT_EQ(refinement.ground_depth_std, ground.relative_std);
 }
 
 /// A return 20 m before the camera, of 1.6 m by 1.8 m: columns 182 to 218, rows 98 to 130.
@@ -107,8 +94,8 @@ struct Street {
     in.radar_points = {{21.0F, 0.0F, 0.5F}};
     params.column_std = 0.25;
     params.background_std = 0.75;
-    params.ground_pitch_std = 0.01;
-    params.ground_relative_std = 0.05;
+    params.ground.uncertainty.pitch_std = 0.01;
+    params.ground.uncertainty.relative_std = 0.05;
   }
   cv::Mat depth() const { return makeDepthEstimator(params)->estimate(in); }
   cv::Mat stds() const { return makeDepthEstimator(params)->relativeStd(in, depth()); }
@@ -125,7 +112,7 @@ TEST(RadarGroundStd, EverySurfaceHasItsOwn) {
   EXPECT_FLOAT_EQ(stds.at<float>(100, 185), 0.25F);
   EXPECT_FLOAT_EQ(stds.at<float>(20, 200), 0.75F);  // the background above it
   EXPECT_FLOAT_EQ(stds.at<float>(104, 5), 0.75F);   // and before the ground 150 m away
-  const cv::Mat ground = groundRelativeStd(kCamera, mount(), 0.0, 0.0, {0.01, 0.05, 0.05});
+  const cv::Mat ground = groundRelativeStd(kCamera, mount(), {0.0, 0.0, {0.01, 0.05, 0.05}});
   for (const auto& [v, u] : {std::pair(160, 200), std::pair(300, 10), std::pair(120, 20)})
     EXPECT_FLOAT_EQ(stds.at<float>(v, u), ground.at<float>(v, u)) << v;
   EXPECT_GT(stds.at<float>(120, 20), 1.5F * stds.at<float>(300, 10));  // farther, less certain

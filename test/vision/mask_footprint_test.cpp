@@ -78,7 +78,7 @@ TEST(MaskFootprint, HalfOfTheColumnDecides) {
   EXPECT_EQ(isIn(ahead, marked({50, 29, 1, 5})), 1);  // 5 of 10: the share itself is enough
   EXPECT_EQ(isIn(ahead, marked({50, 29, 1, 4})), 0);
   MaskFootprint all = tenPixels();
-  all.min_share = 1.0;
+  all.min_fraction = 1.0;
   EXPECT_EQ(isIn(ahead, marked({50, 29, 1, 9}), all), 0);
   EXPECT_EQ(isIn(ahead, marked({50, 29, 1, 10}), all), 1);
 }

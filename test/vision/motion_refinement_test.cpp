@@ -63,7 +63,7 @@ Matrix6 prior() {
   return deviations.cwiseAbs2().asDiagonal();
 }
 
-GroundPlane flat() { return {mount(), 0.0, 0.0}; }
+GroundPlane flat() { return {mount(), {}}; }
 
 Vector6 errorOf(const RefinedMotion& refined, const Eigen::Isometry3d& truth) {
   const Eigen::Isometry3d rest = truth * refined.T_current_from_previous.inverse();
@@ -122,14 +122,15 @@ TEST(RefineMotion, NoiseStaysWithinTheCovarianceItGives) {
   constexpr int kTrials = 20;
   for (int trial = 0; trial < kTrials; ++trial) {
     MotionInput input = street(drive(), flat());
+    FlowDepthNoise noise_params;
+    noise_params.flow_std = 2.0;  // 1 px of the grid
+    noise_params.flow_std_relative = 0.0;
     RefinementParams params;
-    params.flow_std = 2.0;  // 1 px of the grid
-    params.flow_std_relative = 0.0;
-    params.independent_pixels = 1e9;  // they are independent
+    params.independent_pixels = 1e7;  // they are independent
     for (auto& flow : cv::Mat_<cv::Vec2f>(input.flow)) flow += cv::Vec2f(noise(random), noise(random));
     input.T_current_from_previous = drive();
     input.motion_covariance = prior();
-    const RefinedMotion refined = refineMotion(input, std::nullopt, params);
+    const RefinedMotion refined = refineMotion(input, std::nullopt, noise_params, params);
     const Vector6 error = errorOf(refined, drive());
     sum += error.dot(refined.covariance.llt().solve(error));
   }
@@ -138,7 +139,7 @@ TEST(RefineMotion, NoiseStaysWithinTheCovarianceItGives) {
 }
 
 TEST(RefineMotion, FindsThePitchOfTheGroundAhead) {
-  const GroundPlane truth{mount(), 0.02, 0.015};
+  const GroundPlane truth{mount(), {0.015, 0.02, {}}};
   MotionInput input = street(drive(), truth);
   input.depth = groundDepth(kCamera, mount(), 0.0, 0.0, 30.0);  // what is thought: flat
   cv::patchNaNs(input.depth, 30.0);
@@ -147,8 +148,8 @@ TEST(RefineMotion, FindsThePitchOfTheGroundAhead) {
   input.motion_covariance = deviations.asDiagonal();
   const RefinedMotion refined = refineMotion(input, flat());
   ASSERT_TRUE(refined.ground);
-  EXPECT_NEAR(refined.ground->pitch, 0.015, 0.004);
-  EXPECT_NEAR(refined.ground->height, 0.02, 0.03);
+  EXPECT_NEAR(refined.ground->params.pitch, 0.015, 0.004);
+  EXPECT_NEAR(refined.ground->params.height, 0.02, 0.03);
   const cv::Mat depth = replaceGroundDepth(input.depth, kCamera, flat(), *refined.ground, 30.0);
   const cv::Mat wanted = groundDepth(kCamera, mount(), 0.02, 0.015, 30.0);
   EXPECT_NEAR(depth.at<float>(200, 100), wanted.at<float>(200, 100), 0.25);
@@ -162,21 +163,20 @@ TEST(RefineMotion, GroundThatTheImageHasSeenIsMoreCertain) {
   input.motion_covariance = prior();
   const GroundUncertainty before;
   RefinedMotion refined = refineMotion(input, flat());
-  EXPECT_GT(refined.ground_uncertainty.pitch_std, 0.0);
-  EXPECT_LT(refined.ground_uncertainty.pitch_std, 0.9 * before.pitch_std);
-  EXPECT_LE(refined.ground_uncertainty.height_std, before.height_std);
-  EXPECT_EQ(refined.ground_uncertainty.relative_std, before.relative_std);
+  EXPECT_GT(refined.ground->params.uncertainty.pitch_std, 0.0);
+  EXPECT_LT(refined.ground->params.uncertainty.pitch_std, 0.9 * before.pitch_std);
+  EXPECT_LE(refined.ground->params.uncertainty.height_std, before.height_std);
+  EXPECT_EQ(refined.ground->params.uncertainty.relative_std, before.relative_std);
 
   const cv::Mat stds(input.depth.size(), CV_32FC1, cv::Scalar(0.5));
   const cv::Mat exchanged = replaceGroundStd(stds, input.depth, kCamera, flat(), refined);
-  const cv::Mat wanted = groundRelativeStd(kCamera, mount(), refined.ground->height, refined.ground->pitch,
-                                           refined.ground_uncertainty);
+  const cv::Mat wanted = groundRelativeStd(kCamera, mount(), refined.ground->params);
   EXPECT_FLOAT_EQ(exchanged.at<float>(200, 100), wanted.at<float>(200, 100));
   EXPECT_LT(exchanged.at<float>(200, 100), 0.3F);
   EXPECT_FLOAT_EQ(exchanged.at<float>(10, 10), 0.5F);
   // Too few pixels tell nothing.
   input.depth.setTo(std::numeric_limits<float>::quiet_NaN());
-  EXPECT_EQ(refineMotion(input, flat()).ground_uncertainty.pitch_std, before.pitch_std);
+  EXPECT_EQ(refineMotion(input, flat()).ground->params.uncertainty.pitch_std, before.pitch_std);
 }
 
 // Noise may bring a point right before the camera, or beyond.
@@ -201,16 +201,17 @@ TEST(RefineMotion, LooksAtTheUncertaintyOfEveryDepth) {
   input.depth.colRange(0, 200) *= 1.5;
   input.T_current_from_previous = drive();
   input.motion_covariance = prior();
+  FlowDepthNoise noise;
+  noise.depth_std = 0.01;
   RefinementParams params;
-  params.depth_std = 0.01;
-  params.kernel_width = 1e6;  // all pixels count
-  const double misled = errorOf(refineMotion(input, std::nullopt, params), drive()).norm();
+  params.kernel_width = 1000.0;  // all pixels count
+  const double misled = errorOf(refineMotion(input, std::nullopt, noise, params), drive()).norm();
   input.depth_std = cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(0.01));
   input.depth_std.colRange(0, 200).setTo(2.0);
-  EXPECT_LT(errorOf(refineMotion(input, std::nullopt, params), drive()).norm(), 0.3 * misled);
+  EXPECT_LT(errorOf(refineMotion(input, std::nullopt, noise, params), drive()).norm(), 0.3 * misled);
   // One pixel that says nothing must not spoil the others: the parameter holds.
   input.depth_std.colRange(200, 300).setTo(std::numeric_limits<double>::quiet_NaN());
-  const RefinedMotion refined = refineMotion(input, std::nullopt, params);
+  const RefinedMotion refined = refineMotion(input, std::nullopt, noise, params);
   EXPECT_LT(errorOf(refined, drive()).norm(), 0.3 * misled);
   EXPECT_GT(refined.correction.norm(), 0.0);
 }
@@ -225,7 +226,7 @@ TEST(RefineMotion, TooLittleChangesNothing) {
   EXPECT_TRUE(refined.T_current_from_previous.isApprox(drive()));
   RefinementParams params;
   params.stride = 0;
-  test::expectRefusal<std::invalid_argument>([&] { refineMotion(input, std::nullopt, params); }, {"stride"});
+  test::expectRefusal<std::invalid_argument>([&] { refineMotion(input, std::nullopt, {}, params); }, {"stride"});
 }
 
 // A turn of the vehicle about its base moves the camera, which sits ahead of it, sideways.

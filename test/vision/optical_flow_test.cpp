@@ -104,11 +104,11 @@ TEST(DisFlow, NeverEnlargesTheImages) {
 TEST(DisFlow, ExpectedFlowRescuesALargeMotion) {
   OpticalFlowParams params;
   params.working_width = 0;
-  params.preset = "fine";
+  params.preset = FlowPreset::kFine;
   const cv::Mat first = window(300, 80);
   const cv::Mat second = window(160, 80);
   EXPECT_GT(std::abs(middle(makeOpticalFlow(params)->compute(first, second).flow)[0] - 140.0F), 5.0F);
-  params.initialisation = "expected";
+  params.initialisation = FlowStart::kExpected;
   params.forward_backward = true;
   cv::Mat expected(160, 240, CV_32FC2, cv::Scalar(67.5, 0.0));
   expected(cv::Rect(100, 60, 20, 20)).setTo(cv::Scalar(std::nan(""), std::nan("")));
@@ -122,7 +122,7 @@ TEST(DisFlow, ExpectedFlowRescuesALargeMotion) {
 TEST(DisFlow, ExpectedFlowIsOnlyAStart) {
   OpticalFlowParams params;
   params.working_width = 0;
-  params.initialisation = "expected";
+  params.initialisation = FlowStart::kExpected;
   const cv::Mat wrong(320, 480, CV_32FC2, cv::Scalar(20.0, 6.0));
   const cv::Mat unknown(320, 480, CV_32FC2, cv::Scalar::all(std::nan("")));
   // Points that the camera is about to pass.
@@ -142,8 +142,8 @@ TEST(DisFlow, ExpectedFlowIsOnlyAStart) {
 TEST(DisFlow, TemporalStartFollowsAMotionThatGrows) {
   OpticalFlowParams params;
   params.working_width = 0;
-  params.preset = "fine";
-  params.initialisation = "temporal";
+  params.preset = FlowPreset::kFine;
+  params.initialisation = FlowStart::kTemporal;
   const std::unique_ptr<OpticalFlow> flow = makeOpticalFlow(params);
   EXPECT_GT(std::abs(middle(flow->compute(window(300, 80), window(160, 80)).flow)[0] - 140.0F), 5.0F);
   flow->reset();
@@ -154,7 +154,7 @@ TEST(DisFlow, TemporalStartFollowsAMotionThatGrows) {
 TEST(DisFlow, TemporalStartIsForgottenOnReset) {
   OpticalFlowParams params;
   params.working_width = 0;
-  params.initialisation = "temporal";
+  params.initialisation = FlowStart::kTemporal;
   const std::unique_ptr<OpticalFlow> flow = makeOpticalFlow(params);
   const FlowField before = flow->compute(window(100, 80), window(90, 80));
   flow->compute(window(90, 80), window(80, 80));
@@ -229,12 +229,6 @@ TEST(OpticalFlow, RefusalsNameWhatThereIs) {
   params.backend = "magic";
   expectRefusal(params, "dis");
   params = {};
-  params.preset = "best";
-  expectRefusal(params, "fine");
-  params = {};
-  params.initialisation = "guess";
-  expectRefusal(params, "temporal");
-  params = {};
   params.working_width = -1;
   expectRefusal(params, "working_width");
   params = {};
@@ -248,9 +242,9 @@ TEST(OpticalFlow, RefusalsNameWhatThereIs) {
 
 // OpenCV's DIS reads outside images like these.
 TEST(OpticalFlow, RefusesGridsTooSmallForDis) {
-  for (const char* preset : {"ultrafast", "fast", "medium", "fine"}) {
+  for (const EnumName<FlowPreset>& preset : EnumNames<FlowPreset>::kValues) {
     OpticalFlowParams params;
-    params.preset = preset;
+    params.preset = preset.value;
     const std::unique_ptr<OpticalFlow> flow = makeOpticalFlow(params);
     const cv::Mat narrow(26, 330, CV_8UC1, cv::Scalar(9));
     EXPECT_THROW(flow->compute(narrow, narrow), std::invalid_argument);

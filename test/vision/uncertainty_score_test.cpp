@@ -157,9 +157,9 @@ class StaticWorld {
         const double depth = 10.0 + 0.05 * u + 0.03 * v;
         // The errors of the motion are drawn anew for every pixel, so that their spread shows in one image.
         const Eigen::Isometry3d motion = smallMotion(motion_covariance) * someMotion();
-        const double true_rho = (1.0 + params_.depth_std * normal()) / depth;
+        const double true_rho = (1.0 + params_.noise.depth_std * normal()) / depth;
         Eigen::Vector2d flow = pixelOf(motion, u, v, 1.0 / true_rho) - Eigen::Vector2d(u, v);
-        const double sigma = params_.flow_std + params_.flow_std_relative * flow.norm();
+        const double sigma = params_.noise.flow_std + params_.noise.flow_std_relative * flow.norm();
         flow += sigma * Eigen::Vector2d(normal(), normal());
         input.depth.at<float>(v, u) = static_cast<float>(depth);
         input.flow.at<cv::Vec2f>(v, u) =
@@ -191,11 +191,11 @@ class StaticWorld {
 MotionParams exactModel() {
   MotionParams params;
   params.score = MotionScore::kUncertainty;
-  params.flow_std = 0.5;
-  params.flow_std_relative = 0.02;
-  params.depth_std = 0.05;
+  params.noise.flow_std = 0.5;
+  params.noise.flow_std_relative = 0.02;
+  params.noise.depth_std = 0.05;
   params.false_alarm = 1e-5;
-  params.seed = params.min_scale = 1.0;
+  params.hysteresis_ratio = params.min_scale = 1.0;
   params.opening = params.closing = 0;
   params.predicted_in_view = false;
   return params;
@@ -222,9 +222,9 @@ TEST(UncertaintyScore, ThresholdGrowsWithWhatTheModelLeavesOut) {
   MotionParams params = exactModel();
   params.false_alarm = 0.01;
   const MotionInput input = StaticWorld(params).input(Matrix6::Zero());
-  params.flow_std /= 4.0;
-  params.flow_std_relative /= 4.0;
-  params.depth_std /= 4.0;  // four times too sure of everything
+  params.noise.flow_std /= 4.0;
+  params.noise.flow_std_relative /= 4.0;
+  params.noise.depth_std /= 4.0;  // four times too sure of everything
   MotionSegmenter segmenter(params);
   const MotionResult& result = segmenter.segment(input);
   EXPECT_NEAR(result.median, 4.0 * terms::chiMedian(2), 0.1);
@@ -235,9 +235,9 @@ TEST(UncertaintyScore, ThresholdFallsWithImagesBetterThanTheModel) {
   MotionParams params = exactModel();
   params.false_alarm = 0.01;
   const MotionInput input = StaticWorld(params).input(Matrix6::Zero());
-  params.flow_std *= 4.0;
-  params.flow_std_relative *= 4.0;
-  params.depth_std *= 4.0;  // four times too doubtful of everything
+  params.noise.flow_std *= 4.0;
+  params.noise.flow_std_relative *= 4.0;
+  params.noise.depth_std *= 4.0;  // four times too doubtful of everything
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
   params.min_scale = 0.1;
   MotionSegmenter segmenter(params);
@@ -266,7 +266,7 @@ void move(MotionInput& input, const cv::Rect& part, cv::Vec2f flow) {
 // At (260, 120) the focus of expansion is to the left: depth moves pixels sideways only.
 TEST(UncertaintyScore, TellsAnErrorOfDepthFromMotionAcrossIt) {
   MotionParams params = exactModel();
-  params.depth_std = 0.5;
+  params.noise.depth_std = 0.5;
   MotionInput along = wall();
   move(along, {250, 110, 20, 20}, {6.0F, 0.0F});
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(along).mask), 0);
@@ -282,7 +282,7 @@ TEST(UncertaintyScore, LooksAtTheNoiseOfEveryPixel) {
   input.fb_error = cv::Mat(240, 320, CV_32FC1, cv::Scalar(0.0));
   input.depth_std = cv::Mat(240, 320, CV_32FC1, cv::Scalar(0.05));
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 400);
-  params.fb_error_weight = 1.0;
+  params.noise.fb_error_weight = 1.0;
   input.fb_error(cv::Rect(250, 110, 20, 10)).setTo(10.0);
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
   move(input, {250, 120, 20, 10}, {6.0F, -6.0F});  // now along the direction of depth
@@ -292,7 +292,7 @@ TEST(UncertaintyScore, LooksAtTheNoiseOfEveryPixel) {
   // What is not a number says nothing: the parameter holds.
   input.depth_std(cv::Rect(250, 120, 20, 10)).setTo(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
-  params.depth_std = 1.0;
+  params.noise.depth_std = 1.0;
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
 }
 
@@ -343,7 +343,7 @@ TEST(Hysteresis, RegionsWithoutASeedDoNotCount) {
   move(input, {40, 40, 10, 20}, {0.0F, 4.0F});    // with a strong end
   move(input, {200, 180, 60, 20}, {0.0F, 1.7F});  // weak only
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 2400);
-  params.seed = 2.0;
+  params.hysteresis_ratio = 2.0;
   const cv::Mat mask = MotionSegmenter(params).segment(input).mask.clone();
   EXPECT_EQ(cv::countNonZero(mask), 1200);
   EXPECT_EQ(cv::countNonZero(mask(cv::Rect(40, 40, 60, 20))), 1200);
@@ -355,14 +355,8 @@ TEST(UncertaintyScore, ParametersThatMakeNoSenseAreRefused) {
     change(params);
     test::expectRefusal<std::invalid_argument>([&] { validate(params); }, {name});
   };
-  refused([](MotionParams& p) { p.flow_std = -1.0; }, "flow_std");
-  refused([](MotionParams& p) { p.flow_std = p.flow_std_relative = 0.0; }, "flow_std");
-  refused([](MotionParams& p) { p.depth_std = -0.1; }, "depth_std");
-  refused([](MotionParams& p) { p.next_depth_std = 0.0; }, "next_depth_std");
-  refused([](MotionParams& p) { p.false_alarm = 0.0; }, "false_alarm");
-  refused([](MotionParams& p) { p.seed = 0.5; }, "seed");
-  refused([](MotionParams& p) { p.min_scale = 0.0; }, "min_scale");
-  refused([](MotionParams& p) { p.static_gain = -1.0; }, "static_gain");
+  refused([](MotionParams& p) { p.noise.flow_std = p.noise.flow_std_relative = 0.0; }, "flow_std");
+  refused([](MotionParams& p) { p.hysteresis_ratio = 0.5; }, "hysteresis_ratio");
   MotionInput input = wall();
   input.fb_error = cv::Mat(4, 4, CV_32FC1);
   test::expectRefusal<std::invalid_argument>([&] { MotionSegmenter().segment(input); }, {"fb_error"});

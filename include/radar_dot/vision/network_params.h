@@ -17,7 +17,7 @@ struct NetworkParams {
   void describe(FieldList& fields) {
     fields.add(
         "device", device,
-        "Device of the network: auto (CUDA where libtorch and the machine have it), cpu, cuda, cuda:1 ...");
+        "Device of the network: auto (CUDA where libtorch and the machine have it), cpu, cuda, or one of several, as in cuda:1");
     fields.add("threads", threads, "Threads of the network on the CPU; 0: one per core", "", {0, 1024});
   }
 };
