@@ -24,19 +24,6 @@ std::string withUnit(const std::string& text, const Field& field) {
   return *field.unit == '\0' ? text : text + " " + field.unit;
 }
 
-const char* typeText(FieldType type) {
-  switch (type) {
-    case FieldType::kBool: return "true or false";
-    case FieldType::kInt: return "a whole number";
-    case FieldType::kDouble: return "a number";
-    case FieldType::kIntList: return "a list of whole numbers";
-    case FieldType::kTextList: return "a list of texts";
-    case FieldType::kText:
-    case FieldType::kEnum: break;
-  }
-  return "a text";
-}
-
 [[noreturn]] void refuse(const Field& field, const std::string& value, const std::string& valid) {
   throw InvalidParameter({field.name}, fmt::format("{} is {}, must be {}", field.name, value, valid));
 }
@@ -47,6 +34,10 @@ FieldValue converted(const Field& field, const FieldValue& value) {
   if (whole != nullptr && field.type == FieldType::kDouble) return static_cast<double>(*whole);
   if (whole != nullptr && field.type == FieldType::kIntList)
     return std::vector<int>{static_cast<int>(*whole)};
+  const auto* real = std::get_if<double>(&value);
+  if (real != nullptr && field.type == FieldType::kInt && std::trunc(*real) == *real &&
+      std::abs(*real) <= std::numeric_limits<std::int32_t>::max())
+    return static_cast<std::int64_t>(*real);
   const auto* text = std::get_if<std::string>(&value);
   if (text != nullptr && field.type == FieldType::kTextList) return std::vector<std::string>{*text};
   return value;
@@ -57,8 +48,8 @@ bool hasType(const Field& field, const FieldValue& value) {
     case FieldType::kBool: return std::holds_alternative<bool>(value);
     case FieldType::kInt: return std::holds_alternative<std::int64_t>(value);
     case FieldType::kDouble:
-      return std::holds_alternative<double>(value) || (std::holds_alternative<std::monostate>(value) &&
-                                                       std::holds_alternative<std::monostate>(field.get()));
+      return std::holds_alternative<double>(value) ||
+             (field.optional && std::holds_alternative<std::monostate>(value));
     case FieldType::kText:
     case FieldType::kEnum: return std::holds_alternative<std::string>(value);
     case FieldType::kIntList: return std::holds_alternative<std::vector<int>>(value);
@@ -148,6 +139,19 @@ std::string toText(const FieldValue& value) {
   return std::visit(Text(), value);
 }
 
+const char* Field::typeText() const {
+  switch (type) {
+    case FieldType::kBool: return "true or false";
+    case FieldType::kInt: return "a whole number";
+    case FieldType::kDouble: return "a number";
+    case FieldType::kIntList: return "a list of whole numbers";
+    case FieldType::kTextList: return "a list of texts";
+    case FieldType::kText:
+    case FieldType::kEnum: break;
+  }
+  return "a text";
+}
+
 std::string Field::valid() const {
   if (type == FieldType::kEnum) {
     std::string names;
@@ -167,7 +171,7 @@ std::string Field::valid() const {
 void Field::check(const FieldValue& given) const {
   const FieldValue value = converted(*this, given);
   const std::string given_text = type == FieldType::kEnum ? "'" + toText(value) + "'" : toText(value);
-  if (!hasType(*this, value)) refuse(*this, "'" + toText(value) + "'", typeText(type));
+  if (!hasType(*this, value)) refuse(*this, "'" + toText(value) + "'", typeText());
   const auto in_range = [this](double number) { return number >= range.lowest && number <= range.highest; };
   bool is_valid = true;  // a comparison with NaN is false
   if (const auto* number = std::get_if<double>(&value)) is_valid = in_range(*number);
@@ -180,7 +184,7 @@ void Field::check(const FieldValue& given) const {
       return std::get<std::string>(value) == choice.first;
     });
   }
-  if (!is_valid) refuse(*this, given_text, valid().empty() ? typeText(type) : valid());
+  if (!is_valid) refuse(*this, given_text, valid().empty() ? typeText() : valid());
 }
 
 void Field::set(const FieldValue& value) const {
@@ -190,7 +194,7 @@ void Field::set(const FieldValue& value) const {
 
 void Field::setFromText(const std::string& given) const {
   const std::string text_given = trimmed(given);
-  const auto refuseText = [&] { refuse(*this, "'" + given + "'", typeText(type)); };
+  const auto refuseText = [&] { refuse(*this, "'" + given + "'", typeText()); };
   switch (type) {
     case FieldType::kBool:
       if (const auto is = truth(text_given)) return set(*is);
@@ -201,7 +205,7 @@ void Field::setFromText(const std::string& given) const {
       refuseText();
       break;
     case FieldType::kDouble:
-      if (text_given.empty() && std::holds_alternative<std::monostate>(get())) return;
+      if (text_given.empty() && optional) return put({});
       if (const auto number = realNumber(text_given)) return set(*number);
       refuseText();
       break;

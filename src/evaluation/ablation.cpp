@@ -56,26 +56,29 @@ void append(std::vector<AblationResult>& sums, const std::vector<AblationResult>
 }  // namespace
 
 std::vector<AblationStep> ablationSteps(const SegmentationEvaluationOptions& options) {
-  const MotionParams defaults;
+  const DynamicSegmentationConfig& given = options.segmentation;
   SegmentationEvaluationOptions step = options;
+  DynamicSegmentationConfig& segmentation = step.segmentation;
   step.mask_directory.clear();
-  step.motion.score = MotionScore::kPaper;
-  step.motion.radar_gain = step.motion.static_gain = 0.0;
-  step.refine = step.look_back = false;
-  step.memory = 0.0;
+  segmentation.motion.score = MotionScore::kPaper;
+  segmentation.motion.radar_gain = segmentation.motion.static_gain = 0.0;
+  segmentation.refine = segmentation.look_back = false;
+  segmentation.memory = 0.0;
   std::vector<AblationStep> steps = {{"paper", step}};
-  step.motion.score = MotionScore::kUncertainty;
-  step.optical_flow.forward_backward = true;
+  segmentation.motion.score = MotionScore::kUncertainty;
+  step.optical_flow.flow.forward_backward = true;
   steps.push_back({"+ uncertainty", step});
-  step.refine = true;
+  segmentation.refine = segmentation.refine_ground = true;
   steps.push_back({"+ refinement", step});
-  step.motion.radar_gain = options.motion.radar_gain > 0.0 ? options.motion.radar_gain : defaults.radar_gain;
-  step.motion.static_gain = options.motion.static_gain;
+  segmentation.motion.radar_gain =
+      given.motion.radar_gain > 0.0 ? given.motion.radar_gain : MotionParams{}.radar_gain;
+  segmentation.motion.static_gain = given.motion.static_gain;
   steps.push_back({"+ radar evidence", step});
-  if (!isEstimatedFlow(options.flow)) return steps;  // the truth and files know no flow back
-  step.look_back = true;
+  if (fileSourceOf(options.optical_flow.flow.backend))
+    return steps;  // the truth and files have no backward flow
+  segmentation.look_back = true;
   steps.push_back({"+ look back", step});
-  step.memory = options.memory > 0.0 ? options.memory : kMemory;
+  segmentation.memory = given.memory > 0.0 ? given.memory : kMemory;
   steps.push_back({"+ memory", step});
   return steps;
 }

@@ -20,16 +20,16 @@ using dataset::Tables;
 constexpr double kWithinSigma = 0.6827;  // share of normal errors within 1 sigma
 
 std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
-  const std::vector<Index> readings = tables.readingsOf(scene, options.channel);
+  const std::vector<Index> readings = tables.readingsOf(scene, options.camera);
   const std::string& name = tables.scenes[at(scene)].name;
-  if (readings.empty()) throw NoImages(fmt::format("{}: no readings of {}", name, options.channel));
+  if (readings.empty()) throw NoImages(fmt::format("{}: no readings of {}", name, options.camera));
   std::vector<Index> images;
   for (const Index row : readings) {
     const dataset::SampleData& reading = tables.sample_data[at(row)];
     if (reading.is_key_frame && std::filesystem::exists(tables.path(reading))) images.push_back(row);
   }
   if (images.empty()) {
-    throw NoImages(fmt::format("{}: no keyframe image of {} is under {}", name, options.channel,
+    throw NoImages(fmt::format("{}: no keyframe image of {} is under {}", name, options.camera,
                                tables.dataroot().string()));
   }
   if (options.max_images > 0 && images.size() > options.max_images) images.resize(options.max_images);
@@ -62,6 +62,15 @@ Counts countsOf(const DepthReport& report) {
 
 }  // namespace
 
+void DepthEvaluationOptions::describe(FieldList& fields) {
+  fields.group("Evaluation");
+  describeCamera(camera, fields);
+  fields.add("max_images", max_images, "Number of images of each scene, the first ones; 0: all");
+  fields.add("truth", truth, "What depth is compared with");
+  describeRadarChannels(radar_channels, fields);
+  depth_input.describe(fields);
+}
+
 DepthReport& DepthReport::operator+=(const DepthReport& other) {
   images += other.images;
   without_truth += other.without_truth;
@@ -70,15 +79,13 @@ DepthReport& DepthReport::operator+=(const DepthReport& other) {
 }
 
 DepthReport evaluateDepth(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
-  if (options.truth != "ground_truth" && options.truth != "lidar") {
-    throw std::invalid_argument(fmt::format("truth '{}' is not one of ground_truth, lidar", options.truth));
-  }
-  const bool by_lidar = options.truth == "lidar";
-  const DepthSource source{options.depth,        options.depth_directory,      options.working_width,
-                           options.depth_params, options.depth_radar_channels, by_lidar};
+  validateFields(options);
+  validate(options.depth);
+  const bool by_lidar = options.truth == DepthTruth::kLidar;
+  const DepthSource source{options.depth.depth, options.depth.working_width, options.depth_input, by_lidar};
   validate(source);
   const std::vector<Index> images = imagesOf(tables, scene, options);
-  const RadarScene radar = loadRadarScene(tables, scene, options.radar_channels, options.extraction);
+  const RadarScene radar = loadRadarScene(tables, scene, options.radar_channels, options.ego_velocity);
   SceneDepths depths(tables, radar, source);
   DepthReport report;
   report.scene = tables.scenes[at(scene)].name;

@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sweep_velocities.h"
 #include "radar_dot/radar/odometry.h"
 #include "radar_scene.h"
+#include "sweep_velocities.h"
 #include "wheel_speed.h"
 
 namespace radar_dot::evaluation {
@@ -66,12 +66,12 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
                    const SweepVelocities& sweeps, SavedMasks& masks, VelocityReport& report) {
   std::map<std::string, EgoVelocityEstimator> variants;
   for (const char* variant : kVariants) {
-    variants.emplace(variant, EgoVelocityEstimator(variantParams(options.estimator, variant)));
+    variants.emplace(variant, EgoVelocityEstimator(variantParams(options.ego_velocity.estimator, variant)));
   }
   std::map<MotionModel, EgoVelocityEstimator> models;
   for (const MotionModel model :
        {MotionModel::kPlanar, MotionModel::kPlanarYaw, MotionModel::kAckermann, MotionModel::kSpatial}) {
-    EgoVelocityParams params = options.estimator;
+    EgoVelocityParams params = options.ego_velocity.estimator;
     params.model = model;
     models.emplace(model, EgoVelocityEstimator(params));
   }
@@ -87,7 +87,7 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
     masks.mark(scans, sweeps.velocities, middle);
     // A model without a yaw rate knows of no turning of the bearings either.
     std::vector<RadarScan> turned = scans;
-    turnBearings(turned, options.bearing_delay, yawRateAt(sweeps.velocities, middle));
+    turnBearings(turned, options.ego_velocity.bearing_delay, yawRateAt(sweeps.velocities, middle));
     const Eigen::Vector3d acceleration = accelerationAt(sweeps.velocities, middle);
     const Eigen::Vector3d truth = scene.truth.meanVelocity(interval.begin, interval.end);
     const double true_yaw_rate = scene.truth.meanYawRate(interval.begin, interval.end);
@@ -100,7 +100,7 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
     for (auto& [model, estimator] : models) {
       const bool with_yaw = model == MotionModel::kPlanarYaw || model == MotionModel::kAckermann;
       const EgoVelocityResult& result = estimator.estimate(with_yaw ? turned : scans, middle, acceleration);
-      const bool in_use = model == options.estimator.model;
+      const bool in_use = model == options.ego_velocity.estimator.model;
       if (!result.valid()) {
         if (in_use) {
           ++report.refused;
@@ -141,7 +141,7 @@ void evaluateSweeps(const RadarScene& scene, const SweepVelocities& sweeps, Velo
 void evaluateMounts(const RadarScene& scene, const VelocityEvaluationOptions& options,
                     VelocityReport& report) {
   const std::vector<Interval> intervals = intervalsOf(scene);
-  const double static_limit = options.estimator.segmentation.threshold;
+  const double static_limit = options.ego_velocity.estimator.segmentation.threshold;
   for (const LoadedRadar& radar : scene.radars) {
     MountError& error = report.mounts[radar.channel];
     const Eigen::Matrix3d R_base_from_sensor = radar.T_base_from_sensor.linear();
@@ -149,14 +149,15 @@ void evaluateMounts(const RadarScene& scene, const VelocityEvaluationOptions& op
       const auto nearest = nearestScan(radar, interval.middle(), interval.half());
       if (!nearest) continue;
       const Eigen::Vector3d angular(0.0, 0.0, scene.truth.meanYawRate(interval.begin, interval.end));
-      const double rotation = options.bearing_delay * angular.z();
+      const double rotation = options.ego_velocity.bearing_delay * angular.z();
       const Eigen::Vector3d velocity = scene.truth.meanVelocity(interval.begin, interval.end) +
                                        angular.cross(radar.T_base_from_sensor.translation());
       for (const DopplerReturn& measured : radar.scans[*nearest].returns) {
         const Eigen::Vector3d bearing = Eigen::AngleAxisd(rotation, Eigen::Vector3d::UnitZ()) *
                                         R_base_from_sensor * measured.bearing.cast<double>();
         const double residual = static_cast<double>(measured.doppler) +
-                                rotation * static_cast<double>(measured.tangential_speed) + bearing.dot(velocity);
+                                rotation * static_cast<double>(measured.tangential_speed) +
+                                bearing.dot(velocity);
         if (std::abs(residual) >= static_limit) continue;
         const double tangential_speed = Eigen::Vector3d::UnitZ().cross(bearing).dot(velocity);
         error.numerator -= tangential_speed * residual;
@@ -191,7 +192,7 @@ void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
   const bool annotated = std::any_of(scene.keyframe_samples.begin(), scene.keyframe_samples.end(),
                                      [&](Index sample) { return !tables.annotationsOf(sample).empty(); });
   if (!annotated) return;  // no boxes is no evidence that nothing moves
-  EgoVelocityEstimator estimator(options.estimator);
+  EgoVelocityEstimator estimator(options.ego_velocity.estimator);
   for (std::size_t k = 0; k < scene.keyframe_samples.size(); ++k) {
     const Index sample = scene.keyframe_samples[k];
     std::vector<RadarScan> scans;
@@ -203,7 +204,7 @@ void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
     const double time = scene.keyframe_times[k];
     if (!scene.truth.covers(time)) continue;
     masks.mark(scans, velocities, time);
-    turnBearings(scans, options.bearing_delay, yawRateAt(velocities, time));
+    turnBearings(scans, options.ego_velocity.bearing_delay, yawRateAt(velocities, time));
     const EgoVelocityResult& result = estimator.estimate(scans, time, accelerationAt(velocities, time));
     if (!result.valid()) continue;
     const std::vector<MovingBox> boxes = boxesAt(tables, sample);
@@ -226,33 +227,23 @@ void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
   }
 }
 
-void correctMounts(RadarScene& scene, const std::map<std::string, double>& corrections) {
-  for (const auto& [channel, yaw] : corrections) {
-    const auto radar = std::find_if(scene.radars.begin(), scene.radars.end(),
-                                    [&name = channel](const LoadedRadar& r) { return r.channel == name; });
-    if (radar == scene.radars.end() || !std::isfinite(yaw)) {
-      throw dataset::DatasetError("mount yaw correction of '" + channel + "': " +
-                                  (std::isfinite(yaw) ? "no such radar is evaluated" : "it is not finite"));
-    }
-    radar->T_base_from_sensor.linear() =
-        Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * radar->T_base_from_sensor.linear();
-  }
-}
-
-void validateMaskTimes(const VelocityEvaluationOptions& options) {
-  for (const auto& [name, value] :
-       {std::pair{"max_mask_age", options.max_mask_age}, std::pair{"mask_delay", options.mask_delay}}) {
-    if (!(value >= 0.0))
-      throw std::invalid_argument(fmt::format("{} is {}, must be zero or positive", name, value));
-  }
-}
-
 template <typename Value>
 void merge(std::map<std::string, Value>& into, const std::map<std::string, Value>& from) {
   for (const auto& [key, value] : from) into[key] += value;
 }
 
 }  // namespace
+
+void VelocityEvaluationOptions::describe(FieldList& fields) {
+  fields.group("Evaluation");
+  describeRadarChannels(radar_channels, fields);
+  fields.add("mount_yaw_correction", mount_yaw_corrections,
+             "Added to the yaw of mounts, as in RADAR_FRONT=-0.0111,RADAR_BACK_LEFT=0.0094", "rad");
+  fields.add("filter_radars", filter_radars,
+             "The filter takes the velocity of each radar alone; otherwise the joint estimates");
+  fields.group("Masks");
+  masks.describe(fields);
+}
 
 ModelErrors& ModelErrors::operator+=(const ModelErrors& other) {
   vx += other.vx;
@@ -292,11 +283,13 @@ VelocityReport& VelocityReport::operator+=(const VelocityReport& other) {
 
 VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
                                    const VelocityEvaluationOptions& options) {
-  validateMaskTimes(options);
+  validateFields(options);
+  validate(options.ego_velocity);
   VelocityReport report;
   report.scene = tables.scenes[static_cast<std::size_t>(scene)].name;
-  RadarScene loaded = loadRadarScene(tables, scene, options.channels, options.extraction);
-  correctMounts(loaded, options.mount_yaw_corrections);
+  const RadarScene loaded =
+      loadRadarScene(tables, scene, options.radar_channels,
+                     withMountCorrections(options.ego_velocity, options.mount_yaw_corrections));
   for (const LoadedRadar& radar : loaded.radars) {
     if (radar.scans.size() < radar.listed) {
       report.missing_files[radar.channel] = {radar.listed - radar.scans.size(), radar.listed};
@@ -309,7 +302,7 @@ VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
   evaluatePairs(loaded, options, sweeps, masks, report);
   evaluateSweeps(loaded, sweeps, report);
   evaluateMounts(loaded, options, report);
-  evaluateTrajectory(loaded, options.filter ? sweeps.filtered : sweeps.velocities, report);
+  evaluateTrajectory(loaded, options.ego_velocity.filter ? sweeps.filtered : sweeps.velocities, report);
   evaluateLabels(tables, loaded, options, sweeps.velocities, masks, report);
   return report;
 }

@@ -29,28 +29,24 @@ double secondsSince(Clock::time_point start) {
 }
 
 bool isExpected(const FlowEvaluationOptions& options) {
-  return options.optical_flow.initialisation == "expected";
+  return options.optical_flow.flow.initialisation == FlowStart::kExpected;
 }
 
-/// What SceneImages is to show.
+/// The part of the options of a segmentation that its images look at.
 SegmentationEvaluationOptions imageOptionsOf(const FlowEvaluationOptions& options) {
   SegmentationEvaluationOptions images;
-  images.pairs = options.pairs;
-  images.flow = options.flow;
-  images.flow_directory = options.flow_directory;
-  images.working_width = options.working_width;
   images.optical_flow = options.optical_flow;
-  // Nothing else asks for depth, and a backend may need a model.
-  images.depth = isExpected(options) ? options.depth : "ground_truth";
-  images.depth_directory = options.depth_directory;
-  images.depth_radar_channels = options.depth_radar_channels;
-  images.depth_params = options.depth_params;
+  images.depth = options.depth;
+  // Without a start from it depth is not looked at.
+  if (!isExpected(options)) images.depth.depth.backend = toString(FileSource::kGroundTruth);
+  images.pairs = options.pairs;
+  images.depth_input = options.depth_input;
   return images;
 }
 
 void requireTruth(const Tables& tables, const FlowEvaluationOptions& options) {
-  const fs::path folder =
-      tables.dataroot() / "ground_truth" / (options.pairs == "keyframes" ? "keyframe_flow" : "flow");
+  const fs::path folder = tables.dataroot() / "ground_truth" /
+                          (options.pairs.pairs == ImagePairs::kKeyframes ? "keyframe_flow" : "flow");
   if (fs::is_directory(folder)) return;
   throw DatasetError(folder.string() + ": is not there; the true flow is that of a simulated dataroot");
 }
@@ -65,7 +61,7 @@ void evaluatePair(SceneImages& images, const ImagePair& pair, const FlowEvaluati
     input.T_current_from_previous = staticPointMotion(images.mountOf(first), images.trueMotion(pair));
     input.depth = images.depthOf(pair.first);
   }
-  const bool is_estimated = isEstimatedFlow(options.flow);
+  const bool is_estimated = !fileSourceOf(options.optical_flow.flow.backend);
   if (is_estimated) {
     images.pictureOf(pair.first);  // read before the time counts
     images.pictureOf(pair.second);
@@ -97,11 +93,19 @@ void requireSize(const fs::path& file, const cv::Size& size, const cv::Size& wan
 
 }  // namespace
 
+void FlowEvaluationOptions::describe(FieldList& fields) {
+  fields.group("Evaluation");
+  pairs.describe(fields);
+  depth_input.describe(fields);
+}
+
 FlowReport evaluateFlow(const Tables& tables, Index scene, const FlowEvaluationOptions& options) {
-  const std::vector<ImagePair> pairs =
-      pairsOf(tables, scene, options.channel, options.pairs, options.max_pairs);
+  validateFields(options);
+  validate(options.optical_flow);
+  validate(options.depth);
+  const std::vector<ImagePair> pairs = pairsOf(tables, scene, options.pairs);
   requireTruth(tables, options);
-  const RadarScene radar = loadRadarScene(tables, scene, {}, {});
+  const RadarScene radar = loadRadarScene(tables, scene, {}, options.ego_velocity);
   const SegmentationEvaluationOptions image_options = imageOptionsOf(options);
   SceneImages images(tables, radar, image_options);
   FlowReport report;
@@ -111,11 +115,8 @@ FlowReport evaluateFlow(const Tables& tables, Index scene, const FlowEvaluationO
 }
 
 FlowReport evaluateFlow(const FlowPairFiles& files, const OpticalFlowParams& params) {
-  if (params.initialisation != "none") {
-    throw std::invalid_argument(
-        fmt::format("initialisation '{}' needs the pairs of a dataroot; one pair has nothing to start from",
-                    params.initialisation));
-  }
+  require(params.initialisation == FlowStart::kNone, fieldsOf(params), {&params.initialisation},
+          "a single pair has no flow to start from");
   const std::unique_ptr<OpticalFlow> backend = makeOpticalFlow(params);
   const cv::Mat first = readImage(files.first);
   const cv::Mat second = readImage(files.second);

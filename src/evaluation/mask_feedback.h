@@ -9,6 +9,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "radar_dot/config/sections.h"
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/radar/odometry.h"
 #include "radar_dot/vision/camera_intrinsics.h"
@@ -28,13 +29,14 @@ struct StampedMask {
 /// @param velocity  the one estimated last
 /// @return one value per return: 1 = in the mask, 0 = not
 std::vector<std::uint8_t> returnsInMask(const RadarScan& scan, const StampedMask& mask,
-                                        const StampedVelocity& velocity);
+                                        const StampedVelocity& velocity, const MaskFootprint& footprint = {});
 
 /// The mask's half of the loop between mask and velocity: tells the estimator which returns move.
 class MaskFeedback {
  public:
-  /// @param max_age  s, of a mask at the time of a scan
-  explicit MaskFeedback(double max_age) : max_age_(max_age) {}
+  /// @param config  its mask_max_age and footprint
+  explicit MaskFeedback(const EgoVelocityConfig& config)
+      : max_age_(config.mask_max_age), footprint_(config.footprint) {}
 
   /// Sets known_dynamic of the scans that have a mask: at or before their time and not older than the limit,
   /// with a velocity not older than a second, beyond which it says little about the motion since. The flags
@@ -45,7 +47,8 @@ class MaskFeedback {
             const StampedVelocity& velocity);
 
  private:
-  double max_age_;
+  double max_age_;  // s, of a mask at the time of a scan
+  MaskFootprint footprint_;
   std::vector<std::vector<std::uint8_t>> flags_;
 };
 

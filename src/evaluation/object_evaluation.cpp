@@ -14,11 +14,11 @@
 #include <stdexcept>
 
 #include "annotated_objects.h"
-#include "online_motion.h"
-#include "sweep_velocities.h"
 #include "object_masks.h"
+#include "online_motion.h"
 #include "radar_dot/objects/assignment.h"
 #include "radar_scene.h"
+#include "sweep_velocities.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -53,13 +53,14 @@ std::vector<SeenScan> seenScans(const RadarScene& scene, const RadarScene* doubt
       scan[0].radar = radar;
       const auto velocity = motion.velocityAt(scan[0].time);
       if (!velocity) continue;
-      turnBearings(scan, options.ego.bearing_delay, velocity->angular.z());
-      seen.push_back({scan[0].time, radar,
-                      returnsOverGround(scan[0], velocity->linear, velocity->angular, options.returns)});
+      turnBearings(scan, options.ego.ego_velocity.bearing_delay, velocity->angular.z());
+      seen.push_back(
+          {scan[0].time, radar,
+           returnsOverGround(scan[0], velocity->linear, velocity->angular, options.objects.returns)});
       if (doubtful == nullptr) continue;
       RadarScan with_doubtful = scan[0];
       with_doubtful.returns = &doubtful->radars[radar].scans[i].returns;
-      addDoubtful(with_doubtful, *velocity, options.returns, *scan[0].returns, seen.back().returns);
+      addDoubtful(with_doubtful, *velocity, options.objects.returns, *scan[0].returns, seen.back().returns);
     }
   }
   std::stable_sort(seen.begin(), seen.end(),
@@ -226,7 +227,7 @@ class Comparison {
 void followObjects(const RadarScene& scene, const OnlineMotion& motion, const std::vector<SeenScan>& scans,
                    ObjectMasks* masks, const ObjectEvaluationOptions& options, Comparison& comparison) {
   constexpr double kEnd = std::numeric_limits<double>::infinity();
-  ObjectTracker tracker(options.tracker);
+  ObjectTracker tracker(options.objects.tracker);
   const std::vector<double>& times = scene.keyframe_times;
   std::size_t keyframe = 0, mask = 0;
   const auto compareBefore = [&](double time) {
@@ -239,59 +240,89 @@ void followObjects(const RadarScene& scene, const OnlineMotion& motion, const st
       compareBefore(masks->knownFrom(mask));
       const double image_time = masks->timeOf(mask);
       if (!motion.velocityAt(image_time)) continue;
-      tracker.update(image_time, mask_source, masks->detections(mask, options.detection),
-                     motion.poseAt(image_time));
+      tracker.update(image_time, mask_source, masks->detections(mask), motion.poseAt(image_time));
     }
   };
   for (const SeenScan& scan : scans) {
     useMasksBefore(scan.time);
     compareBefore(scan.time);
-    tracker.update(scan.time, scan.radar, detectObjects(scan.time, scan.returns, {}, options.detection),
+    tracker.update(scan.time, scan.radar,
+                   detectObjects(scan.time, scan.returns, {}, options.objects.detection),
                    motion.poseAt(scan.time));
   }
   useMasksBefore(kEnd);
   compareBefore(kEnd);
 }
 
-/// A later mask would be refused by the tracker, every time and without a word.
-void validateMaskDelay(const ObjectEvaluationOptions& options) {
-  if (options.masks.directory.empty() || options.masks.delay <= options.tracker.max_lag) return;
-  throw std::invalid_argument(fmt::format("masks with a delay of {} s come too late for max_lag of {} s",
-                                          options.masks.delay, options.tracker.max_lag));
+/// The returns that objects are sought in: more than the ego velocity is estimated from.
+ReturnFilter objectFilter(ReturnFilter filter, ObjectReturns returns) {
+  if (returns == ObjectReturns::kReserved) {
+    filter.invalid_states = {0, 4, 8, 9, 10, 11, 12, 16, 17};
+    filter.pdh0_states = {1, 2, 3};
+  }
+  if (returns == ObjectReturns::kAll) {
+    filter.invalid_states.clear();
+    filter.ambig_states.clear();
+    filter.pdh0_states.clear();
+  }
+  return filter;
+}
+
+void validateAll(const ObjectEvaluationOptions& options) {
+  validateFields(options);
+  validateFields(options.ego);
+  validate(options.ego.ego_velocity);
+  validate(options.objects);
+  validate(options.depth);
+  // A later mask would be refused by the tracker, every time and without a word.
+  if (options.masks.directory.empty() || options.masks.delay <= options.objects.tracker.max_lag) return;
+  throw InvalidParameter(
+      {fieldsOf(options).of(&options.masks.delay).name,
+       fieldsOf(options.objects).of(&options.objects.tracker.max_lag).name},
+      fmt::format("masks with a delay (mask_delay) of {} s come too late for max_lag of {} s",
+                  options.masks.delay, options.objects.tracker.max_lag));
 }
 
 }  // namespace
 
-ReturnFilter objectFilter() {
-  ReturnFilter filter;
-  filter.invalid_states = {0, 4, 8, 9, 10, 11, 12, 16, 17};
-  filter.pdh0_states = {1, 2, 3};
-  return filter;
+void ObjectEvaluationOptions::describe(FieldList& fields) {
+  fields.group("Evaluation");
+  describeRadarChannels(ego.radar_channels, fields);
+  fields.add("object_returns", object_returns, "Returns that objects are sought in");
+  fields.add("doubtful", doubtful,
+             "Returns that are left out for their states alone may continue a track, but start none");
+  fields.add("max_object_range", max_range, "Distance of the objects that count", "m", {1.0, 10000.0});
+  fields.add("max_object_azimuth", max_azimuth,
+             "Angle to either side of straight ahead of the objects that count", "rad", {0.01, 3.2});
+  fields.add("margin", margin, "By which annotated boxes are grown on all sides", "m", {0.0, 100.0});
+  fields.add("min_box_speed", min_speed, "A box that is called moving moves at least this fast", "m/s",
+             {0.01, 100.0});
+  fields.group("Masks");
+  masks.describe(fields);
+  depth_input.describe(fields);
 }
 
 ObjectReport evaluateObjects(const dataset::Tables& tables, Index scene,
                              const ObjectEvaluationOptions& options) {
-  validateMaskDelay(options);
+  validateAll(options);
   VelocityEvaluationOptions ego = options.ego;
-  ego.filter = true;
-  ExtractionParams extraction = ego.extraction;
-  const RadarScene for_ego = loadRadarScene(tables, scene, ego.channels, extraction);
-  extraction.filter = options.filter;
-  const RadarScene for_objects = loadRadarScene(tables, scene, ego.channels, extraction);
+  ego.ego_velocity.filter = true;
+  EgoVelocityConfig config = ego.ego_velocity;
+  const RadarScene for_ego = loadRadarScene(tables, scene, ego.radar_channels, config);
+  config.extraction.filter = objectFilter(ego.ego_velocity.extraction.filter, options.object_returns);
+  const RadarScene for_objects = loadRadarScene(tables, scene, ego.radar_channels, config);
   SavedMasks masks(tables, scene, ego);
   const OnlineMotion motion(sweepVelocities(for_ego, ego, masks).filtered);
   std::optional<RadarScene> with_doubtful;
   if (options.doubtful) {
-    extraction.filter.invalid_states.clear();
-    extraction.filter.ambig_states.clear();
-    extraction.filter.pdh0_states.clear();
-    with_doubtful = loadRadarScene(tables, scene, ego.channels, extraction);
+    config.extraction.filter = objectFilter(config.extraction.filter, ObjectReturns::kAll);
+    with_doubtful = loadRadarScene(tables, scene, ego.radar_channels, config);
   }
   const std::vector<SeenScan> scans =
       seenScans(for_objects, with_doubtful ? &*with_doubtful : nullptr, motion, options);
 
   std::optional<ObjectMasks> object_masks;
-  if (!options.masks.directory.empty()) object_masks.emplace(tables, scene, for_ego, options.masks);
+  if (!options.masks.directory.empty()) object_masks.emplace(tables, scene, for_ego, options);
 
   ObjectReport report;
   report.scene = tables.scenes[at(scene)].name;

@@ -11,27 +11,16 @@
 namespace radar_dot::evaluation {
 namespace {
 
-DepthSource depthSourceOf(const ObjectMaskOptions& options) {
-  DepthSource source;
-  source.backend = options.depth;
-  source.directory = options.depth_directory;
-  source.working_width = options.working_width;
-  return source;
-}
-
-const ObjectMaskOptions& validated(const ObjectMaskOptions& options) {
-  if (!(options.delay >= 0.0)) throw std::invalid_argument("the delay of masks must not be negative (s)");
-  if (options.working_width < 0) throw std::invalid_argument("working_width must not be negative (px)");
-  validate(options.regions);
-  return options;
+DepthSource depthSourceOf(const ObjectEvaluationOptions& options) {
+  return {options.depth.depth, options.depth.working_width, options.depth_input, false};
 }
 
 }  // namespace
 
 ObjectMasks::ObjectMasks(const dataset::Tables& tables, dataset::Index scene, const RadarScene& radar,
-                         const ObjectMaskOptions& options)
-    : options_(validated(options)),
-      masks_(tables, scene, options.directory, options.channel, options.delay),
+                         const ObjectEvaluationOptions& options)
+    : options_(options),
+      masks_(tables, scene, options.masks.directory, options.masks.channel, options.masks.delay),
       depths_(tables, radar, depthSourceOf(options)) {}
 
 std::vector<MaskRegion> ObjectMasks::regions(std::size_t index) {
@@ -44,12 +33,13 @@ std::vector<MaskRegion> ObjectMasks::regions(std::size_t index) {
                              cv::Scalar::all(std::numeric_limits<double>::quiet_NaN()));
   constexpr double kInterval = 1.0;  // s, of no effect on a flow that is not known
   return regionsOfMask(mask, depth, unknown_flow, kInterval, depths_.gridOf(row),
-                       depths_.mountOf(depths_.reading(row)), options_.regions);
+                       depths_.mountOf(depths_.reading(row)), options_.objects.regions);
 }
 
-std::vector<ObjectDetection> ObjectMasks::detections(std::size_t index, const DetectionParams& params) {
-  std::vector<ObjectDetection> detections = detectObjects(timeOf(index), {}, regions(index), params);
-  for (ObjectDetection& detection : detections) detection.moving = options_.starts_tracks;
+std::vector<ObjectDetection> ObjectMasks::detections(std::size_t index) {
+  std::vector<ObjectDetection> detections =
+      detectObjects(timeOf(index), {}, regions(index), options_.objects.detection);
+  for (ObjectDetection& detection : detections) detection.moving = options_.objects.mask_starts_tracks;
   return detections;
 }
 

@@ -17,22 +17,22 @@ namespace radar_dot::evaluation {
 /// masks come without flow, so that velocities are unknown.
 class ObjectMasks {
  public:
-  /// Tables and radar must outlive it.
+  /// Tables, radar and options must outlive it.
   /// @throws dataset::DatasetError see MaskFolder; std::invalid_argument for invalid options.
   ObjectMasks(const dataset::Tables& tables, dataset::Index scene, const RadarScene& radar,
-              const ObjectMaskOptions& options);
+              const ObjectEvaluationOptions& options);
 
   std::size_t size() const noexcept { return masks_.size(); }
   double timeOf(std::size_t index) const { return masks_.timeOf(index); }  ///< s, of the image, ascending
   /// s, from when on the mask is known.
-  double knownFrom(std::size_t index) const { return timeOf(index) + options_.delay; }
+  double knownFrom(std::size_t index) const { return timeOf(index) + options_.masks.delay; }
   /// Detections at the time of the image, base frame. @throws dataset::DatasetError naming a file.
-  std::vector<ObjectDetection> detections(std::size_t index, const DetectionParams& params);
+  std::vector<ObjectDetection> detections(std::size_t index);
 
  private:
   std::vector<MaskRegion> regions(std::size_t index);
 
-  const ObjectMaskOptions options_;
+  const ObjectEvaluationOptions& options_;
   MaskFolder masks_;
   SceneDepths depths_;
 };

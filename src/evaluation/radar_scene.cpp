@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <stdexcept>
@@ -73,10 +75,24 @@ std::vector<double> keyframeTimes(const Tables& tables, Index scene, const PoseT
   return times;
 }
 
+/// The channel of a topic: radar_front is RADAR_FRONT.
+std::string channelOf(const std::string& topic) {
+  std::string channel = topic.substr(topic.find_last_of('/') + 1);
+  for (char& c : channel) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return channel;
+}
+
 LoadedRadar loadRadar(const Tables& tables, Index scene, const std::string& channel,
-                      const ExtractionParams& extraction) {
+                      const EgoVelocityConfig& config) {
   LoadedRadar radar;
   radar.channel = channel;
+  ExtractionParams extraction = config.extraction;
+  double yaw = 0.0;  // rad
+  for (const auto& [name, entry] : config.radars) {
+    if (channelOf(entry.topic) != channel) continue;
+    extraction.doppler_scale = entry.doppler_scale.value_or(extraction.doppler_scale);
+    yaw = entry.mount_yaw_correction;
+  }
   DopplerExtractor extractor(extraction);
   for (const Index row : tables.readingsOf(scene, channel)) {
     const dataset::SampleData& reading = tables.sample_data[at(row)];
@@ -95,6 +111,8 @@ LoadedRadar loadRadar(const Tables& tables, Index scene, const std::string& chan
     radar.T_base_from_sensor = tables.calibrated_sensors[at(reading.calibrated_sensor)].T_base_from_sensor;
     radar.scans.push_back(std::move(scan));
   }
+  radar.T_base_from_sensor.linear() =
+      Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * radar.T_base_from_sensor.linear();
   return radar;
 }
 
@@ -111,7 +129,39 @@ PoseTrack loadTruth(const Tables& tables, Index scene) {
   }
 }
 
+/// A correction for a radar that the scene does not have would be lost without a word.
+void requireRadars(const Tables& tables, Index scene, const EgoVelocityConfig& config) {
+  const std::vector<std::string> channels = radarChannels(tables, scene, {});
+  for (const auto& [name, entry] : config.radars) {
+    const bool corrects = entry.doppler_scale || entry.mount_yaw_correction != 0.0;
+    if (!corrects || std::find(channels.begin(), channels.end(), channelOf(entry.topic)) != channels.end())
+      continue;
+    throw DatasetError(
+        fmt::format("{}: the corrections of radars/{} are for the topic '{}', which is not one of {}",
+                    tables.scenes[at(scene)].name, name, entry.topic, fmt::join(channels, ", ")));
+  }
+}
+
 }  // namespace
+
+EgoVelocityConfig withMountCorrections(EgoVelocityConfig config,
+                                       const std::vector<std::string>& corrections) {
+  for (const std::string& text : corrections) {
+    const std::size_t equals = text.find('=');
+    char* end = nullptr;
+    const double yaw = equals == std::string::npos ? 0.0 : std::strtod(text.c_str() + equals + 1, &end);
+    if (end == nullptr || *end != '\0' || end == text.c_str() + equals + 1)
+      throw std::invalid_argument(fmt::format("mount_yaw_correction '{}' is not CHANNEL=RAD", text));
+    const std::string channel = channelOf(text.substr(0, equals));
+    const auto found = std::find_if(config.radars.begin(), config.radars.end(), [&](const auto& radar) {
+      return channelOf(radar.second.topic) == channel;
+    });
+    RadarEntry& entry = found != config.radars.end() ? found->second : config.radars[channel];
+    if (entry.topic.empty()) entry.topic = channel;
+    entry.mount_yaw_correction = yaw;
+  }
+  return config;
+}
 
 std::optional<std::size_t> nearestScan(const LoadedRadar& radar, double time, double reach) {
   const auto& scans = radar.scans;
@@ -125,11 +175,12 @@ std::optional<std::size_t> nearestScan(const LoadedRadar& radar, double time, do
 }
 
 RadarScene loadRadarScene(const Tables& tables, Index scene, const std::vector<std::string>& channels,
-                          const ExtractionParams& extraction) {
+                          const EgoVelocityConfig& config) {
+  requireRadars(tables, scene, config);
   std::vector<LoadedRadar> radars;
   std::size_t scans = 0;
   for (const std::string& channel : radarChannels(tables, scene, channels)) {
-    radars.push_back(loadRadar(tables, scene, channel, extraction));
+    radars.push_back(loadRadar(tables, scene, channel, config));
     scans += radars.back().scans.size();
     if (!channels.empty() && radars.back().scans.empty()) {
       throw NoRadarFiles(fmt::format("{}: none of the {} files of {} is under {}",

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/config/sections.h"
 #include "radar_dot/dataset/can_bus.h"
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/trajectory.h"
@@ -54,11 +55,15 @@ struct RadarScene {
   std::vector<dataset::CanVehicleInfo> wheels;
 };
 
-/// Reads the scans of `channels` (empty = every radar), the poses and the wheel speeds of a scene.
+/// Reads the scans of `channels` (empty = every radar), the poses and the wheel speeds of a scene. Scans are
+/// read, and mounts corrected, by `config`, as the nodelet does (see
+/// VelocityEvaluationOptions::ego_velocity).
 /// @throws dataset::DatasetError for unreadable files, a channel that is no radar of the scene or,
 ///         named in `channels`, has no file; keyframes out of order; a scene with fewer than two poses
 ///         or with poses of another time.
 RadarScene loadRadarScene(const dataset::Tables& tables, dataset::Index scene,
-                          const std::vector<std::string>& channels, const ExtractionParams& extraction);
+                          const std::vector<std::string>& channels, const EgoVelocityConfig& config);
+/// Config with the corrections "CHANNEL=RAD" in its radars. @throws std::invalid_argument for other texts
+EgoVelocityConfig withMountCorrections(EgoVelocityConfig config, const std::vector<std::string>& corrections);
 
 }  // namespace radar_dot::evaluation

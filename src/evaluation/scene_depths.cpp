@@ -24,10 +24,6 @@ namespace fs = std::filesystem;
 using dataset::DatasetError;
 using dataset::Index;
 
-bool isEstimated(const std::string& backend) {
-  return backend != "ground_truth" && backend != "noisy" && backend != "files";
-}
-
 /// Every second point of each beam, shifted by one from beam to beam: both halves see every beam and every
 /// direction.
 class Halves {
@@ -64,18 +60,16 @@ CameraIntrinsics cameraOf(const dataset::Tables& tables, Index row) {
 }
 
 void validate(const DepthSource& source) {
-  if (source.backend == "files" && source.directory.empty())
-    throw std::invalid_argument("depth 'files' needs a folder with the depths (--depth-directory)");
+  if (fileSourceOf(source.params.backend) != FileSource::kFiles || !source.input.depth_directory.empty())
+    return;
+  throw InvalidParameter({fieldsOf(source.input).of(&source.input.depth_directory).name},
+                         "depth_backend files needs depth_directory, a folder with the depths");
 }
 
 SceneDepths::SceneDepths(const dataset::Tables& tables, const RadarScene& radar, const DepthSource& source)
-    : tables_(tables), radar_(radar), source_(source) {
+    : tables_(tables), radar_(radar), source_(source), file_source_(fileSourceOf(source.params.backend)) {
   validate(source_);
-  if (isEstimated(source_.backend)) {
-    DepthParams params = source_.params;
-    params.backend = source_.backend;
-    depth_ = makeDepthEstimator(params);
-  }
+  if (!file_source_) depth_ = makeDepthEstimator(source_.params);
 }
 
 void SceneDepths::keepOnly(Index row) {
@@ -109,8 +103,8 @@ const cv::Mat& SceneDepths::pictureOf(Index row) {
 }
 
 bool SceneDepths::seesRadar(const std::string& channel) const {
-  const std::vector<std::string>& chosen = source_.radar_channels;
-  if (chosen.empty()) return source_.backend != "torch" || channel == "RADAR_FRONT";
+  const std::vector<std::string>& chosen = source_.input.depth_radar_channels;
+  if (chosen.empty()) return !depth_->needs().trained_radars_only || channel == "RADAR_FRONT";
   return std::find(chosen.begin(), chosen.end(), channel) != chosen.end();
 }
 
@@ -169,12 +163,14 @@ std::vector<Eigen::Vector3f> SceneDepths::lidarPoints(Index row, LidarPart part)
 }
 
 cv::Mat SceneDepths::computeDepth(Index row) {
-  if (source_.backend == "files")
-    return resizeNearest(readDepth(fs::path(source_.directory) / pngName(row)), sizeOf(row));
-  if (source_.backend == "ground_truth") return trueDepth(row);
-  if (source_.backend == "noisy")
-    return noisyDepth(trueDepth(row), {}, static_cast<std::uint64_t>(reading(row).timestamp_us));
-  return depth_->estimate(inputOf(row));
+  if (!file_source_) return depth_->estimate(inputOf(row));
+  switch (*file_source_) {
+    case FileSource::kGroundTruth: return trueDepth(row);
+    case FileSource::kNoisy:
+      return noisyDepth(trueDepth(row), {}, static_cast<std::uint64_t>(reading(row).timestamp_us));
+    case FileSource::kFiles: break;
+  }
+  return resizeNearest(readDepth(fs::path(source_.input.depth_directory) / pngName(row)), sizeOf(row));
 }
 
 DepthInput SceneDepths::inputOf(Index row) {
@@ -191,10 +187,13 @@ DepthInput SceneDepths::inputOf(Index row) {
 
 cv::Mat SceneDepths::relativeStdOf(Index row) {
   const cv::Mat& depth = depthOf(row);
-  if (source_.backend == "files") return constantStd(depth, source_.params.relative_std);
-  if (source_.backend == "ground_truth") return constantStd(depth, kTrueDepthStd);
-  if (source_.backend == "noisy") return noisyDepthStd(trueDepth(row), depth, {});
-  return depth_->relativeStd(inputOf(row), depth);
+  if (!file_source_) return depth_->relativeStd(inputOf(row), depth);
+  switch (*file_source_) {
+    case FileSource::kGroundTruth: return constantStd(depth, kTrueDepthStd);
+    case FileSource::kNoisy: return noisyDepthStd(trueDepth(row), depth, {});
+    case FileSource::kFiles: break;
+  }
+  return constantStd(depth, source_.params.relative_std);
 }
 
 const cv::Mat& SceneDepths::depthOf(Index row) {

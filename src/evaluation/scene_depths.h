@@ -8,10 +8,12 @@
 #include <map>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "radar_dot/dataset/tables.h"
+#include "radar_dot/evaluation/evaluation_inputs.h"
 #include "radar_dot/vision/camera_intrinsics.h"
 #include "radar_dot/vision/depth_estimator.h"
 #include "radar_scene.h"
@@ -28,16 +30,13 @@ CameraIntrinsics cameraOf(const dataset::Tables& tables, dataset::Index row);
 
 /// Where depth comes from.
 struct DepthSource {
-  /// A backend of makeDepthEstimator, "ground_truth", "noisy", or "files".
-  std::string backend = "radar_ground";
-  std::string directory;  ///< for "files"
+  DepthParams params;     ///< its backend may be a FileSource
   int working_width = 0;  ///< px; 0 = the images'
-  DepthParams params;
-  std::vector<std::string> radar_channels;  ///< see SegmentationEvaluationOptions::depth_radar_channels
+  DepthInputOptions input;
   /// "lidar" sees every second point of each beam, and heldOutDepth the others.
   bool half_of_lidar = false;
 };
-/// Refuses "files" without a folder. @throws std::invalid_argument.
+/// Refuses "files" without a folder. @throws InvalidParameter.
 void validate(const DepthSource& source);
 
 /// Camera, picture and depth of the images of a scene, on the working grid. Everything is read or computed
@@ -88,6 +87,7 @@ class SceneDepths {
   const dataset::Tables& tables_;
   const RadarScene& radar_;
   DepthSource source_;
+  std::optional<FileSource> file_source_;  // none: the estimator
   std::unique_ptr<DepthEstimator> depth_;
   std::map<dataset::Index, cv::Mat> pictures_, depths_, true_depths_;
 };

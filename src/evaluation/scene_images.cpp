@@ -18,8 +18,7 @@ using dataset::DatasetError;
 using dataset::Index;
 
 DepthSource depthSourceOf(const SegmentationEvaluationOptions& options) {
-  return {options.depth,        options.depth_directory,      options.working_width,
-          options.depth_params, options.depth_radar_channels, false};
+  return {options.depth.depth, options.optical_flow.flow.working_width, options.depth_input, false};
 }
 
 /// A dataroot may hold a part of the images.
@@ -30,19 +29,16 @@ bool isOnDisk(const dataset::Tables& tables, const ImagePair& pair) {
 
 }  // namespace
 
-std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const std::string& channel,
-                               const std::string& pairs, std::size_t max_pairs) {
-  if (pairs != "keyframes" && pairs != "next")
-    throw std::invalid_argument(fmt::format("pairs '{}' is not one of keyframes, next", pairs));
-  const std::vector<Index> readings = tables.readingsOf(scene, channel);
+std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const PairOptions& options) {
+  const std::vector<Index> readings = tables.readingsOf(scene, options.camera);
   const std::string& name = tables.scenes[at(scene)].name;
-  if (readings.empty()) throw DatasetError(fmt::format("{}: no readings of {}", name, channel));
+  if (readings.empty()) throw DatasetError(fmt::format("{}: no readings of {}", name, options.camera));
   const auto is_key_frame = [&](std::size_t i) { return tables.sample_data[at(readings[i])].is_key_frame; };
   std::vector<ImagePair> found;
   for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
     if (!is_key_frame(i)) continue;
     std::size_t next = i + 1;
-    if (pairs == "keyframes") {
+    if (options.pairs == ImagePairs::kKeyframes) {
       while (next < readings.size() && !is_key_frame(next)) ++next;
       if (next == readings.size()) break;
     }
@@ -50,37 +46,34 @@ std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const
     if (isOnDisk(tables, pair)) found.push_back(pair);
   }
   if (found.empty()) {
-    throw NoImages(
-        fmt::format("{}: no pair of its {} images is under {}", name, channel, tables.dataroot().string()));
+    throw NoImages(fmt::format("{}: no pair of its {} images is under {}", name, options.camera,
+                               tables.dataroot().string()));
   }
-  if (max_pairs > 0 && found.size() > max_pairs) found.resize(max_pairs);
+  if (options.max_pairs > 0 && found.size() > options.max_pairs) found.resize(options.max_pairs);
   return found;
 }
 
 std::optional<ImagePair> previousPair(const dataset::Tables& tables, const ImagePair& pair,
-                                    const std::string& pairs) {
+                                      ImagePairs pairs) {
   for (Index row = tables.sample_data[at(pair.first)].previous; row != dataset::kNone;
        row = tables.sample_data[at(row)].previous) {
-    if (pairs == "keyframes" && !tables.sample_data[at(row)].is_key_frame) continue;
+    if (pairs == ImagePairs::kKeyframes && !tables.sample_data[at(row)].is_key_frame) continue;
     const ImagePair before{row, pair.first};
     return isOnDisk(tables, before) ? std::optional(before) : std::nullopt;
   }
   return std::nullopt;
 }
 
-bool isEstimatedFlow(const std::string& flow) { return flow != "ground_truth" && flow != "files"; }
-
 SceneImages::SceneImages(const dataset::Tables& tables, const RadarScene& radar,
                          const SegmentationEvaluationOptions& options)
-    : SceneDepths(tables, radar, depthSourceOf(options)), options_(options) {
-  if (options.flow == "files" && options.flow_directory.empty())
-    throw std::invalid_argument("flow 'files' needs a folder with the flows (--flow-directory)");
-  if (isEstimatedFlow(options.flow)) {
-    OpticalFlowParams params = options.optical_flow;
-    params.backend = options.flow;
-    params.working_width = options.working_width;
-    flow_ = makeOpticalFlow(params);
+    : SceneDepths(tables, radar, depthSourceOf(options)),
+      options_(options),
+      file_source_(fileSourceOf(options.optical_flow.flow.backend)) {
+  if (file_source_ == FileSource::kFiles && options.pairs.flow_directory.empty()) {
+    throw InvalidParameter({fieldsOf(options.pairs).of(&options.pairs.flow_directory).name},
+                           "flow_backend files needs flow_directory, a folder with the flows");
   }
+  if (!file_source_) flow_ = makeOpticalFlow(options.optical_flow.flow);
 }
 
 void SceneImages::begin(const ImagePair& pair) {
@@ -95,7 +88,7 @@ Eigen::Isometry3d SceneImages::trueMotion(const ImagePair& pair) const {
 
 const FlowField& SceneImages::trueFlow(const ImagePair& pair) {
   if (true_flow_of_ == pair.first) return true_flow_;
-  const std::string prefix = options_.pairs == "keyframes" ? "keyframe_" : "";
+  const std::string prefix = options_.pairs.pairs == ImagePairs::kKeyframes ? "keyframe_" : "";
   FlowField field = readFlow(truthFile(prefix + "flow", pair.first));
   const fs::path occlusion_file = truthFile(prefix + "occlusion", pair.first);
   const cv::Mat occlusion = readGrey(occlusion_file);
@@ -113,21 +106,22 @@ cv::Mat SceneImages::trueMovers(Index row) const {
 
 FlowField SceneImages::flowOf(const ImagePair& pair, const MotionInput& input) {
   const cv::Size size(input.camera.width, input.camera.height);
-  if (options_.flow == "ground_truth") return trueFlow(pair);
+  if (file_source_ == FileSource::kGroundTruth) return trueFlow(pair);
   FlowField field;
-  if (options_.flow == "files") {
-    field = readFlow(fs::path(options_.flow_directory) / pngName(pair.first));
+  if (file_source_) {
+    field = readFlow(fs::path(options_.pairs.flow_directory) / pngName(pair.first));
     // Flow of a network is smooth within objects: better interpolated.
     return {resizeFlow(field.flow, size), resizeNearest(field.valid, size)};
   }
   cv::Mat expected;
-  if (options_.optical_flow.initialisation == "expected")
+  if (options_.optical_flow.flow.initialisation == FlowStart::kExpected)
     expected = expectedFlow(input.camera, input.T_current_from_previous, input.depth);
   field = flow_->compute(pictureOf(pair.first), pictureOf(pair.second), expected);
   if (field.flow.size() == size) return field;
   if (!field.valid.empty()) field.valid = resizeNearest(field.valid, size);
   if (!field.fb_error.empty())
-    field.fb_error = resizeNearest(field.fb_error, size) * (static_cast<double>(size.width) / field.flow.cols);
+    field.fb_error =
+        resizeNearest(field.fb_error, size) * (static_cast<double>(size.width) / field.flow.cols);
   if (!field.backward.empty()) field.backward = resizeFlow(field.backward, size);
   field.flow = resizeFlow(field.flow, size);
   return field;

@@ -21,19 +21,13 @@ struct ImagePair {
 };
 
 /// The pairs of a scene of which both images are on disk, in time order; `max_pairs` of them, 0 = all.
-/// @param pairs  "keyframes": a keyframe and the next one; "next": a keyframe and the image after it
-/// @throws NoImages where there are none, dataset::DatasetError for a channel without readings, and
-///         std::invalid_argument for other `pairs`.
+/// @throws NoImages where there are none, dataset::DatasetError for a camera without readings
 std::vector<ImagePair> pairsOf(const dataset::Tables& tables, dataset::Index scene,
-                               const std::string& channel, const std::string& pairs, std::size_t max_pairs);
+                               const PairOptions& options);
 
 /// The pair by the same rule that ends with the first image of a pair; none at the begin of a scene, or where
 /// its first image is not on disk.
-std::optional<ImagePair> previousPair(const dataset::Tables& tables, const ImagePair& pair,
-                                    const std::string& pairs);
-
-/// Flow of a backend, not of the truth or of files.
-bool isEstimatedFlow(const std::string& flow);
+std::optional<ImagePair> previousPair(const dataset::Tables& tables, const ImagePair& pair, ImagePairs pairs);
 
 /// What the evaluation sees of the images of a scene: besides their depths, motion and flow of pairs.
 class SceneImages : public SceneDepths {
@@ -58,6 +52,7 @@ class SceneImages : public SceneDepths {
 
  private:
   const SegmentationEvaluationOptions& options_;
+  std::optional<FileSource> file_source_;  // none: the estimator
   std::unique_ptr<OpticalFlow> flow_;
   FlowField true_flow_;
   dataset::Index true_flow_of_ = dataset::kNone;  // the first image

@@ -15,13 +15,13 @@
 #include <utility>
 
 #include "creeping_actors.h"
-#include "sweep_velocities.h"
 #include "mask_feedback.h"
 #include "radar_dot/vision/motion_history.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "radar_scene.h"
 #include "scene_images.h"
 #include "segmentation_images.h"
+#include "sweep_velocities.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -40,11 +40,11 @@ class SceneRunner {
   SceneRunner(const Tables& tables, Index scene, const SegmentationEvaluationOptions& options)
       : tables_(tables),
         options_(options),
-        radar_(loadRadarScene(tables, scene, options.radar_channels, options.extraction)),
+        radar_(loadRadarScene(tables, scene, options.radar_channels, options.ego_velocity)),
         images_(tables, radar_, options),
-        estimator_(options.estimator),
-        segmenter_(options.motion),
-        feedback_(options.max_mask_age) {
+        estimator_(options.ego_velocity.estimator),
+        segmenter_(options.segmentation.motion),
+        feedback_(options.ego_velocity) {
     if (options.min_true_residual > 0.0) creeping_.emplace(tables, scene);
   }
 
@@ -70,7 +70,8 @@ class SceneRunner {
   std::optional<Prepared> prepare(const ImagePair& pair, Mean& velocity_error);
   std::optional<MotionInput> lookBack(const Prepared& prepared);
   cv::Mat segment(Prepared& prepared);
-  bool needsBackwardFlow() const { return options_.look_back || options_.memory > 0.0; }
+  bool needsBackwardFlow() const { return segmentation().look_back || segmentation().memory > 0.0; }
+  const DynamicSegmentationConfig& segmentation() const { return options_.segmentation; }
   double secondsBetween(const ImagePair& pair) const {
     return secondsOf(images_.reading(pair.second)) - secondsOf(images_.reading(pair.first));
   }
@@ -99,7 +100,8 @@ std::vector<RadarScan> SceneRunner::scansAt(double time) {
     if (const std::optional<std::size_t> nearest = nearestScan(radar, time, kSensorReach))
       scans.push_back(radar.scan(*nearest));
   }
-  if (latest_velocity_) turnBearings(scans, options_.bearing_delay, latest_velocity_->angular.z());
+  if (latest_velocity_)
+    turnBearings(scans, options_.ego_velocity.bearing_delay, latest_velocity_->angular.z());
   if (latest_mask_ && latest_velocity_)
     feedback_.mark(
         scans, [this](double) { return &*latest_mask_; }, *latest_velocity_);
@@ -107,14 +109,14 @@ std::vector<RadarScan> SceneRunner::scansAt(double time) {
 }
 
 std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, double end) {
-  const int steps = options_.velocity == "radar_start"
+  const int steps = options_.velocity == VelocitySource::kRadarStart
                         ? 1
                         : std::max(1, static_cast<int>(std::lround((end - begin) / kVelocityStep)));
   Velocity mean;
   int count = 0;
   for (int i = 0; i < steps; ++i) {
     const double time =
-        options_.velocity == "radar_start" ? begin : begin + (end - begin) * (i + 0.5) / steps;
+        options_.velocity == VelocitySource::kRadarStart ? begin : begin + (end - begin) * (i + 0.5) / steps;
     const std::vector<RadarScan> scans = scansAt(time);
     const EgoVelocityResult& result = estimator_.estimate(scans, time);
     if (!result.valid()) continue;
@@ -126,8 +128,8 @@ std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, doubl
       for (std::size_t k = 0; k < scans[scan].returns->size(); ++k) {
         const std::size_t index = result.offsets[scan] + k;
         // Returns that only a mask called dynamic must not confirm that mask.
-        const bool own_motion = std::abs(static_cast<double>(result.residuals[index])) >=
-                                options_.estimator.segmentation.supported_threshold;
+        const bool own_motion =
+            std::abs(static_cast<double>(result.residuals[index])) >= segmentation().radar_min_residual;
         const Eigen::Vector3f position =
             positionOf((*scans[scan].returns)[k], scans[scan].T_base_from_sensor);
         if (result.labels[index] == ReturnLabel::kStatic) mean.static_points.push_back(position);
@@ -155,13 +157,16 @@ std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, Mo
   const double begin = secondsOf(first);
   const double end = secondsOf(images_.reading(pair.second));
   const Eigen::Isometry3d truth = images_.trueMotion(pair);
-  if (options_.velocity == "ground_truth" && options_.rotation == "ground_truth" &&
-      options_.motion.radar_gain == 0.0 && options_.motion.static_gain == 0.0)
+  if (options_.velocity == VelocitySource::kGroundTruth &&
+      options_.rotation == RotationSource::kGroundTruth && segmentation().motion.radar_gain == 0.0 &&
+      segmentation().motion.static_gain == 0.0)
     return truth;
   const std::optional<Velocity> velocity = velocityOf(begin, end);
-  if (!velocity && options_.velocity == "ground_truth" && options_.rotation == "ground_truth") return truth;
+  if (!velocity && options_.velocity == VelocitySource::kGroundTruth &&
+      options_.rotation == RotationSource::kGroundTruth)
+    return truth;
   if (!velocity) return std::nullopt;
-  if (options_.velocity != "ground_truth") {
+  if (options_.velocity != VelocitySource::kGroundTruth) {
     const Eigen::Vector3d true_velocity = radar_.truth.meanVelocity(begin, end);
     velocity_error.add((velocity->linear - true_velocity).head<2>().norm());
   }
@@ -170,21 +175,21 @@ std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, Mo
     input.dynamic_points.emplace_back(T_camera_from_base * point);
   for (const Eigen::Vector3f& point : velocity->static_points)
     input.static_points.emplace_back(T_camera_from_base * point);
-  Eigen::Isometry3d motion = options_.rotation == "ground_truth"
+  Eigen::Isometry3d motion = options_.rotation == RotationSource::kGroundTruth
                                  ? baseMotionWithRotation(velocity->linear, truth.linear(), end - begin)
                                  : baseMotion(velocity->linear, velocity->angular, end - begin);
-  if (options_.velocity == "ground_truth") motion.translation() = truth.translation();
+  if (options_.velocity == VelocitySource::kGroundTruth) motion.translation() = truth.translation();
   return motion;
 }
 
 /// Motion, its covariance, and where depth shows the ground, both depths.
 void SceneRunner::refine(const ImagePair& pair, MotionInput& input) {
   std::optional<GroundPlane> ground;
-  if (options_.depth == "radar_ground") {
-    ground = GroundPlane{images_.mountOf(images_.reading(pair.first)), options_.depth_params.ground_height,
-                         options_.depth_params.ground_pitch};
-  }
-  refineInput(input, ground, options_.depth_params.max_depth, options_.refinement);
+  const bool draws_ground = options_.depth.depth.backend == kRadarGroundBackend;
+  if (segmentation().refine_ground && draws_ground)
+    ground = GroundPlane{images_.mountOf(images_.reading(pair.first)), segmentation().ground};
+  refineInput(input, ground, segmentation().motion.max_depth, segmentation().motion.noise,
+              segmentation().refinement);
 }
 
 /// Movers whose true flow hardly differs from that of a static world, or that the other image does not show.
@@ -239,30 +244,30 @@ std::optional<SceneRunner::Prepared> SceneRunner::prepare(const ImagePair& pair,
   input.T_current_from_previous = staticPointMotion(T_base_from_camera, *motion);
   input.depth = images_.depthOf(pair.first);
   input.next_depth = images_.depthOf(pair.second);
-  if (options_.depth_uncertainty) input.depth_std = images_.relativeStdOf(pair.first);
+  if (segmentation().usesDepthUncertainty()) input.depth_std = images_.relativeStdOf(pair.first);
   const FlowField field = images_.flowOf(pair, input);
   input.flow = field.flow;
-  const bool by_uncertainty = options_.motion.score == MotionScore::kUncertainty;
+  const bool by_uncertainty = segmentation().byUncertainty();
   // The forward-backward error is noise to this score, and no reason to leave a pixel out.
   if (by_uncertainty && !field.fb_error.empty()) {
     input.fb_error = field.fb_error;
   } else {
     input.flow_valid = field.valid;
   }
-  if (needsBackwardFlow()) prepared.backward = backwardField(field, options_.optical_flow);
+  if (needsBackwardFlow()) prepared.backward = backwardField(field, options_.optical_flow.flow);
   const auto start = std::chrono::steady_clock::now();
-  if (by_uncertainty || options_.refine) {
+  if (by_uncertainty || segmentation().refine) {
     input.motion_covariance = cameraCovariance(
-        T_base_from_camera, baseMotionCovariance(options_.motion_uncertainty, secondsBetween(pair)));
+        T_base_from_camera, baseMotionCovariance(segmentation().motion_uncertainty, secondsBetween(pair)));
   }
-  if (options_.refine) refine(pair, input);
+  if (segmentation().refine) refine(pair, input);
   prepared.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return prepared;
 }
 
 /// The first image of the pair, seen together with the previous image; none where there is none.
 std::optional<MotionInput> SceneRunner::lookBack(const Prepared& prepared) {
-  const std::optional<ImagePair> before = previousPair(tables_, prepared.pair, options_.pairs);
+  const std::optional<ImagePair> before = previousPair(tables_, prepared.pair, options_.pairs.pairs);
   if (!before) return std::nullopt;
   if (!latest_ || latest_->pair.first != before->first || latest_->pair.second != before->second) {
     Mean not_counted;
@@ -272,20 +277,20 @@ std::optional<MotionInput> SceneRunner::lookBack(const Prepared& prepared) {
   }
   if (!latest_) return std::nullopt;
   return previousPairFromFirst(prepared.input, latest_->input, latest_->backward.flow,
-                                latest_->backward.fb_error);
+                               latest_->backward.fb_error);
 }
 
 cv::Mat SceneRunner::segment(Prepared& prepared) {
   std::optional<MotionInput> before;
-  if (options_.look_back) before = lookBack(prepared);
+  if (segmentation().look_back) before = lookBack(prepared);
   const auto start = std::chrono::steady_clock::now();
-  if (options_.memory > 0.0 && latest_ && latest_->pair.second == prepared.pair.first &&
+  if (segmentation().memory > 0.0 && latest_ && latest_->pair.second == prepared.pair.first &&
       !latest_log_odds_.empty()) {
-    const double share = forgetting(secondsBetween(latest_->pair), options_.memory);
+    const double share = forgetting(secondsBetween(latest_->pair), segmentation().memory);
     prepared.input.belief = carriedBelief(latest_log_odds_, latest_->backward.flow, share);
   }
   const MotionResult& result = segmenter_.segment(prepared.input, before ? &*before : nullptr);
-  if (options_.memory > 0.0) latest_log_odds_ = logOdds(result);
+  if (segmentation().memory > 0.0) latest_log_odds_ = logOdds(result);
   prepared.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result.mask.clone();
 }
@@ -318,42 +323,59 @@ void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, Segmenta
   }
 }
 
-void validate(const SegmentationEvaluationOptions& options) {
-  const auto one_of = [](const char* name, const std::string& value,
-                         std::initializer_list<const char*> known) {
-    if (std::find(known.begin(), known.end(), value) != known.end()) return;
-    std::string names;
-    for (const char* each : known) names += (names.empty() ? "" : ", ") + std::string(each);
-    throw std::invalid_argument(fmt::format("{} '{}' is not one of {}", name, value, names));
-  };
-  one_of("velocity", options.velocity, {"radar", "radar_start", "ground_truth"});
-  one_of("rotation", options.rotation, {"ground_truth", "radar"});
-  if (options.mask_to_velocity && options.velocity == "ground_truth")
-    throw std::invalid_argument("mask_to_velocity needs a velocity by radar, not 'ground_truth'");
-  if (!(options.memory >= 0.0))
-    throw std::invalid_argument(fmt::format("memory is {} s, must be zero or positive", options.memory));
-  if (options.look_back || options.memory > 0.0) {
-    if (!isEstimatedFlow(options.flow))
-      throw std::invalid_argument(fmt::format(
-          "look_back and memory need the flow back, which flow '{}' does not have", options.flow));
-    if (!options.optical_flow.forward_backward || options.motion.score != MotionScore::kUncertainty)
-      throw std::invalid_argument("look_back and memory need forward_backward and score uncertainty");
-  }
-  if (!(options.max_mask_age >= 0.0)) {
-    throw std::invalid_argument(
-        fmt::format("max_mask_age is {}, must be zero or positive", options.max_mask_age));
-  }
+}  // namespace
+
+void SegmentationEvaluationOptions::describe(FieldList& fields) {
+  fields.group("Evaluation");
+  pairs.describe(fields);
+  depth_input.describe(fields);
+  describeRadarChannels(radar_channels, fields);
+  fields.add("velocity", velocity, "Velocity of the vehicle between the images of a pair");
+  fields.add("rotation", rotation, "Rotation of the vehicle between the images of a pair");
+  fields.add("min_true_residual", min_true_residual,
+             "Movers whose true flow differs less from that of a static world, or that the second image does "
+             "not show, "
+             "do not count, nor do road users that creep too slowly to be annotated as moving; needs the "
+             "ground truth "
+             "of a simulated dataroot; 0: all count",
+             "px", {0.0, 10000.0});
+  fields.add("mask_to_velocity", mask_to_velocity,
+             "Returns in the latest mask are dynamic in the next velocity estimates");
+  fields.add("save_masks", mask_directory, "Folder to which every mask is written as PNG");
 }
 
-}  // namespace
+void validate(const SegmentationEvaluationOptions& options) {
+  validateFields(options);
+  validate(options.ego_velocity);
+  validate(options.optical_flow);
+  validate(options.depth);
+  validate(options.segmentation);
+  const auto require_that = [](bool condition, std::vector<std::string> names, const std::string& text) {
+    if (!condition) throw InvalidParameter(std::move(names), text);
+  };
+  const FieldList own = fieldsOf(options);
+  const FieldList flow = fieldsOf(options.optical_flow);
+  require(!options.mask_to_velocity || options.velocity != VelocitySource::kGroundTruth, own,
+          {&options.mask_to_velocity, &options.velocity}, "the velocity must be estimated from radar");
+  require_that(options.optical_flow.flow.working_width == options.depth.working_width,
+               {flow.of(&options.optical_flow.flow.working_width).name},
+               fmt::format("working_width of flow ({} px) and depth ({} px) must agree here",
+                           options.optical_flow.flow.working_width, options.depth.working_width));
+  if (!options.segmentation.look_back && !(options.segmentation.memory > 0.0)) return;
+  require(!fileSourceOf(options.optical_flow.flow.backend), flow, {&options.optical_flow.flow.backend},
+          "look_back and memory need a backend, which computes the backward flow");
+  require(options.optical_flow.flow.forward_backward, flow, {&options.optical_flow.flow.forward_backward},
+          "look_back and memory need the backward flow");
+  require(options.segmentation.byUncertainty(), fieldsOf(options.segmentation),
+          {&options.segmentation.motion.score}, "look_back and memory need the score by uncertainty");
+}
 
 SegmentationReport evaluateSegmentation(const Tables& tables, Index scene,
                                         const std::vector<const dataset::InstanceMask*>& masks,
                                         const SegmentationEvaluationOptions& options,
                                         const std::function<void(std::size_t, std::size_t)>& progress) {
   validate(options);
-  const std::vector<ImagePair> pairs =
-      pairsOf(tables, scene, options.channel, options.pairs, options.max_pairs);
+  const std::vector<ImagePair> pairs = pairsOf(tables, scene, options.pairs);
   std::map<dataset::Token, std::vector<const dataset::InstanceMask*>> by_image;
   for (const dataset::InstanceMask* mask : masks) by_image[mask->sample_data_token].push_back(mask);
   SceneRunner runner(tables, scene, options);

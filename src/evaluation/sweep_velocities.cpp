@@ -27,9 +27,7 @@ std::vector<Sweep> assembleSweeps(const RadarScene& scene, const VelocityEvaluat
   }
   std::stable_sort(arrivals.begin(), arrivals.end(),
                    [](const SweepScan& a, const SweepScan& b) { return a.time < b.time; });
-  SweepParams params;
-  params.window = options.window;
-  SweepAssembler assembler(scene.radars.size(), params);
+  SweepAssembler assembler(scene.radars.size(), options.ego_velocity.sweep);
   std::vector<Sweep> sweeps;
   std::vector<Sweep> completed;
   for (SweepScan& scan : arrivals) {
@@ -43,12 +41,14 @@ std::vector<Sweep> assembleSweeps(const RadarScene& scene, const VelocityEvaluat
 class SweepFilter {
  public:
   explicit SweepFilter(const VelocityEvaluationOptions& options)
-      : with_radars_(options.filter_radars), filter_(options.filter_params) {}
+      : with_radars_(options.filter_radars),
+        params_(options.ego_velocity.estimator),
+        filter_(options.ego_velocity.filter_params) {}
 
   void add(double time, const std::vector<RadarScan>& scans, const EgoVelocityResult& result,
            SweepVelocities& sweeps) {
     std::vector<SensorVelocity> sensors;
-    if (with_radars_) sensors = sensorVelocities(scans, result);
+    if (with_radars_) sensors = sensorVelocities(scans, result, params_);
     switch (filter_.update(time, result, sensors)) {
       case VelocityFilter::Outcome::kRejected: ++sweeps.filter_rejected; break;
       case VelocityFilter::Outcome::kStarted: ++sweeps.filter_starts; break;
@@ -60,6 +60,7 @@ class SweepFilter {
 
  private:
   bool with_radars_;
+  EgoVelocityParams params_;
   VelocityFilter filter_;
 };
 
@@ -111,9 +112,9 @@ void turnBearings(std::vector<RadarScan>& scans, double bearing_delay, double ya
 
 SavedMasks::SavedMasks(const dataset::Tables& tables, dataset::Index scene,
                        const VelocityEvaluationOptions& options)
-    : feedback_(options.max_mask_age) {
-  if (!options.mask_directory.empty())
-    folder_.emplace(tables, scene, options.mask_directory, options.mask_channel, options.mask_delay);
+    : feedback_(options.ego_velocity) {
+  if (!options.masks.directory.empty())
+    folder_.emplace(tables, scene, options.masks.directory, options.masks.channel, options.masks.delay);
 }
 
 void SavedMasks::mark(std::vector<RadarScan>& scans, const std::vector<EstimatedVelocity>& velocities,
@@ -126,9 +127,9 @@ void SavedMasks::mark(std::vector<RadarScan>& scans, const std::vector<Estimated
 }
 
 SweepVelocities sweepVelocities(const RadarScene& scene, const VelocityEvaluationOptions& options,
-                               SavedMasks& masks) {
+                                SavedMasks& masks) {
   SweepVelocities sweeps;
-  EgoVelocityEstimator estimator(options.estimator);
+  EgoVelocityEstimator estimator(options.ego_velocity.estimator);
   AccelerationTracker tracker;
   SweepFilter filter(options);
   for (const Sweep& sweep : assembleSweeps(scene, options)) {
@@ -140,7 +141,7 @@ SweepVelocities sweepVelocities(const RadarScene& scene, const VelocityEvaluatio
     }
     ++sweeps.count;
     masks.mark(scans, sweeps.velocities, sweep.time());
-    turnBearings(scans, options.bearing_delay, yawRateAt(sweeps.velocities, sweep.time()));
+    turnBearings(scans, options.ego_velocity.bearing_delay, yawRateAt(sweeps.velocities, sweep.time()));
     const EgoVelocityResult& result =
         estimator.estimate(scans, sweep.time(), tracker.acceleration(sweep.time()));
     if (!result.valid()) {
@@ -149,7 +150,7 @@ SweepVelocities sweepVelocities(const RadarScene& scene, const VelocityEvaluatio
     }
     if (result.observed[0]) tracker.add(sweep.time(), result.linear);
     sweeps.velocities.emplace_back(sweep.time(), result);
-    if (options.filter) filter.add(sweep.time(), scans, result, sweeps);
+    if (options.ego_velocity.filter) filter.add(sweep.time(), scans, result, sweeps);
   }
   return sweeps;
 }

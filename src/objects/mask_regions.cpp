@@ -88,13 +88,6 @@ std::optional<MaskRegion> regionOf(RegionPixels& pixels, const ImageBox& box, do
 
 }  // namespace
 
-void validate(const MaskRegionParams& p) {
-  if (p.min_pixels < 1) throw std::invalid_argument("min_pixels must be at least 1");
-  if (!(p.pixel_std > 0.0)) throw std::invalid_argument("pixel_std must be positive (px)");
-  if (!(p.relative_depth_std > 0.0)) throw std::invalid_argument("relative_depth_std must be positive");
-  if (!(p.flow_std > 0.0)) throw std::invalid_argument("flow_std must be positive (px)");
-}
-
 std::vector<MaskRegion> regionsOfMask(const cv::Mat& mask, const cv::Mat& depth, const cv::Mat& flow_residual,
                                       double interval, const CameraIntrinsics& camera,
                                       const Eigen::Isometry3d& T_base_from_camera,

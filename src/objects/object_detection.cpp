@@ -135,19 +135,6 @@ std::vector<int> groupOfRegion(const std::vector<MaskRegion>& regions,
 
 }  // namespace
 
-void validate(const DetectionParams& p) {
-  const auto require = [](bool condition, const char* message) {
-    if (!condition) throw std::invalid_argument(message);
-  };
-  require(p.max_distance > 0.0, "max_distance must be positive (m)");
-  require(p.max_velocity_difference > 0.0, "max_velocity_difference must be positive (m/s)");
-  require(p.extent_std >= 0.0, "extent_std must not be negative (m)");
-  require(p.shared_velocity_std >= 0.0, "shared_velocity_std must not be negative (m/s)");
-  require(p.unobserved_std > 0.0 && std::isfinite(p.unobserved_std), "unobserved_std must be positive (m/s)");
-  require(p.weak_threshold >= 0.0, "weak_threshold must not be negative (m/s)");
-  require(p.region_gate > 0.0, "region_gate must be positive");
-}
-
 std::vector<ObjectDetection> detectObjects(double time, const std::vector<ReturnOverGround>& returns,
                                            const std::vector<MaskRegion>& regions,
                                            const DetectionParams& params) {

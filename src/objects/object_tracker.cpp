@@ -61,23 +61,11 @@ struct ObjectTracker::Measurement {
   }
 };
 
-void validate(const ObjectTrackerParams& p) {
-  const auto require = [](bool condition, const char* message) {
-    if (!condition) throw std::invalid_argument(message);
-  };
-  require(p.acceleration_std > 0.0, "acceleration_std must be positive (m/s^2)");
-  require(p.initial_speed_std > 0.0, "initial_speed_std must be positive (m/s)");
-  require(p.gate > 0.0, "gate must be positive (sigma)");
-  require(p.confirm_hits >= 1, "confirm_hits must be at least 1");
-  require(p.confirm_scans >= 1, "confirm_scans must be at least 1");
-  require(p.max_coast > 0.0 && p.max_weak_time > 0.0, "max_coast and max_weak_time must be positive (s)");
-  require(p.min_coast > 0.0, "min_coast must be positive (s)");
-  require(p.min_body_length > 0.0 && p.max_body_length > 0.0 && p.max_body_width > 0.0,
-          "min_body_length, max_body_length and max_body_width must be positive (m)");
-  require(p.body_time >= 0.0 && p.body_velocity >= 0.0,
-          "body_time (s) and body_velocity (m/s) must not be negative");
-  require(p.max_lag >= 0.0, "max_lag must not be negative (s)");
-  require(p.min_speed >= 0.0, "min_speed must not be negative (m/s)");
+void validate(const ObjectTrackerParams& params) {
+  const FieldList fields = fieldsOf(params);
+  checkFields(fields);
+  requireNotMore(fields, params.min_coast, params.max_coast);
+  requireNotMore(fields, params.min_body_length, params.max_body_length);
 }
 
 ObjectTrack ObjectTrack::at(double when, double acceleration_std) const {

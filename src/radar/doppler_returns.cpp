@@ -12,15 +12,10 @@ namespace radar_dot {
 namespace {
 
 // The state fields of a radar are bytes; values outside cannot occur and are never accepted.
-std::array<bool, 256> acceptTable(const std::vector<int>& states, const char* name) {
+std::array<bool, 256> acceptTable(const std::vector<int>& states) {
   std::array<bool, 256> accepted{};
   accepted.fill(states.empty());
-  for (const int state : states) {
-    if (state < 0 || state > 255) {
-      throw std::invalid_argument(fmt::format("{}: state {} is not in 0..255", name, state));
-    }
-    accepted[static_cast<std::size_t>(state)] = true;
-  }
+  for (const int state : states) accepted[static_cast<std::size_t>(state)] = true;
   return accepted;
 }
 
@@ -30,17 +25,21 @@ bool acceptsState(const std::array<bool, 256>& accepted, double state) noexcept 
 
 }  // namespace
 
-DopplerExtractor::DopplerExtractor(ExtractionParams params)
-    : params_(std::move(params)),
-      invalid_allowed_(acceptTable(params_.filter.invalid_states, "invalid_states")),
-      ambig_allowed_(acceptTable(params_.filter.ambig_states, "ambig_states")),
-      pdh0_allowed_(acceptTable(params_.filter.pdh0_states, "pdh0_states")) {
-  if (!std::isfinite(params_.doppler_scale) || params_.doppler_scale == 0.0) {
-    throw std::invalid_argument("doppler_scale must be finite and not zero");
-  }
-  if (!(params_.filter.min_range >= 0.0) || !(params_.filter.max_range > params_.filter.min_range)) {
-    throw std::invalid_argument("the range filter needs 0 <= min_range < max_range");
-  }
+void validate(const ExtractionParams& params) {
+  const FieldList fields = fieldsOf(params);
+  checkFields(fields);
+  require(params.doppler_scale != 0.0, fields, {&params.doppler_scale}, "it must not be zero");
+  const ReturnFilter& filter = params.filter;
+  requireLess(fields, filter.min_range, filter.max_range);
+  requireLess(fields, filter.min_azimuth, filter.max_azimuth);
+  requireLess(fields, filter.min_rcs, filter.max_rcs);
+}
+
+DopplerExtractor::DopplerExtractor(ExtractionParams params) : params_(std::move(params)) {
+  validate(params_);
+  invalid_allowed_ = acceptTable(params_.filter.invalid_states);
+  ambig_allowed_ = acceptTable(params_.filter.ambig_states);
+  pdh0_allowed_ = acceptTable(params_.filter.pdh0_states);
 }
 
 void DopplerExtractor::resolve(const PointCloudView& cloud) {

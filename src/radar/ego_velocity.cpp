@@ -117,7 +117,7 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params,
           axis < 3 ? u[axis] : u.y() * rows[i].mount.x() - u.x() * rows[i].mount.y();  // (t x u)_z
     }
     all.right_hand_side[i] = rows[i].right_hand_side;
-    all.variance[i] = static_cast<float>(params.doppler_std * params.doppler_std);
+    all.variance[i] = static_cast<float>(params.noise.doppler_std * params.noise.doppler_std);
     if (rows[i].usable && !rows[i].known_dynamic) indices.push_back(i);
   }
 }
@@ -132,8 +132,8 @@ void EgoVelocityEstimator::Workspace::setVariance(const EgoVelocityParams& param
     const int axis = model.axes[static_cast<std::size_t>(k)];
     (axis < 3 ? linear[axis] : yaw_rate) = static_cast<float>(solution[k]);
   }
-  const auto doppler_variance = static_cast<float>(params.doppler_std * params.doppler_std);
-  const auto azimuth_variance = static_cast<float>(params.azimuth_std * params.azimuth_std);
+  const auto doppler_variance = static_cast<float>(params.noise.doppler_std * params.noise.doppler_std);
+  const auto azimuth_variance = static_cast<float>(params.noise.azimuth_std * params.noise.azimuth_std);
   for (std::size_t j = 0; j < indices.size(); ++j) {
     const Row& row = rows[indices[j]];
     const Eigen::Vector3f sensor_velocity =
@@ -265,7 +265,7 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
     result.status = EstimateStatus::kDegenerateBearings;
   } else if (result.inlier_count < static_cast<std::size_t>(params.min_returns) ||
              static_cast<double>(result.inlier_count) <
-                 params.min_inlier_share * static_cast<double>(result.return_count)) {
+                 params.min_inlier_fraction * static_cast<double>(result.return_count)) {
     result.status = EstimateStatus::kNoConsensus;
   } else {
     evaluateResiduals(all, solution, result.residuals);

@@ -32,11 +32,11 @@ std::vector<ReturnOverGround> returnsOverGround(const RadarScan& scan, const Eig
     over.velocity = static_cast<double>(turned.doppler) + bearing.dot(sensor_velocity);
     if (!over.position.allFinite() || !std::isfinite(over.velocity)) continue;
     const double across_speed = bearing.cross(sensor_velocity).z();
-    const double across_variance = std::pow(params.azimuth_std * across_speed, 2);
-    over.variance = params.doppler_std * params.doppler_std + across_variance;
+    const double across_variance = std::pow(params.noise.azimuth_std * across_speed, 2);
+    over.variance = params.noise.doppler_std * params.noise.doppler_std + across_variance;
     const Eigen::Vector2d along = over.bearing();
     const Eigen::Vector2d across(-along.y(), along.x());
-    const double across_std = params.azimuth_std * static_cast<double>(measured.range);
+    const double across_std = params.noise.azimuth_std * static_cast<double>(measured.range);
     over.covariance = params.range_std * params.range_std * along * along.transpose() +
                       across_std * across_std * across * across.transpose();
     velocities.push_back(static_cast<float>(over.velocity));

@@ -61,7 +61,7 @@ std::optional<SensorVelocity> solve(const std::vector<Constraint>& constraints, 
 
 std::vector<SensorVelocity> sensorVelocities(const std::vector<RadarScan>& scans,
                                              const EgoVelocityResult& result,
-                                             const SensorVelocityParams& params) {
+                                             const EgoVelocityParams& params) {
   std::vector<SensorVelocity> sensors;
   if (!result.valid()) return sensors;
   std::vector<Constraint> constraints;
@@ -73,7 +73,8 @@ std::vector<SensorVelocity> sensorVelocities(const std::vector<RadarScan>& scans
     const Eigen::Vector3d velocity = result.linear + result.angular.cross(lever_arm);
     constraints.clear();
     for (std::size_t i = 0; i < scan.returns->size(); ++i) {
-      if (std::abs(static_cast<double>(result.residuals[result.offsets[s] + i])) >= params.max_residual)
+      if (std::abs(static_cast<double>(result.residuals[result.offsets[s] + i])) >=
+          params.segmentation.threshold)
         continue;
       if (scan.known_dynamic != nullptr && i < scan.known_dynamic->size() && (*scan.known_dynamic)[i] != 0)
         continue;
@@ -83,11 +84,12 @@ std::vector<SensorVelocity> sensorVelocities(const std::vector<RadarScan>& scans
       const double tangential_speed = bearing.x() * velocity.y() - bearing.y() * velocity.x();
       constraints.push_back({bearing.head<2>(),
                              -static_cast<double>(seen.doppler) - bearing.z() * velocity.z(),
-                             params.doppler_std * params.doppler_std +
-                                 params.azimuth_std * params.azimuth_std * tangential_speed * tangential_speed});
+                             params.noise.doppler_std * params.noise.doppler_std +
+                                 params.noise.azimuth_std * params.noise.azimuth_std * tangential_speed *
+                                     tangential_speed});
     }
-    if (constraints.size() < static_cast<std::size_t>(std::max(1, params.min_returns))) continue;
-    if (std::optional<SensorVelocity> sensor = solve(constraints, velocity.head<2>(), params.scan_std)) {
+    if (constraints.size() < static_cast<std::size_t>(params.sensor.min_sensor_returns)) continue;
+    if (std::optional<SensorVelocity> sensor = solve(constraints, velocity.head<2>(), params.sensor.sensor_scan_std)) {
       sensor->radar = scan.radar;
       sensor->time = scan.time;
       sensor->lever_arm = lever_arm.head<2>();

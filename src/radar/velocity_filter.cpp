@@ -60,35 +60,7 @@ Eigen::Matrix2d singer(double dt, double tau) {
   return q;
 }
 
-void requireParameter(bool condition, const char* message) {
-  if (!condition) throw std::invalid_argument(message);
-}
-
 }  // namespace
-
-void validate(const VelocityFilterParams& p) {
-  requireParameter(p.longitudinal_jerk > 0.0, "longitudinal_jerk must be positive (m/s^3)");
-  requireParameter(p.lateral_jerk > 0.0, "lateral_jerk must be positive (m/s^3)");
-  requireParameter(p.curvature_rate > 0.0, "curvature_rate must be positive (1/(m s))");
-  requireParameter(p.yaw_jerk > 0.0, "yaw_jerk must be positive (m/s^3)");
-  requireParameter(p.yaw_acceleration_time > 0.0, "yaw_acceleration_time must be positive (s)");
-  requireParameter(p.lateral_slip_std >= 0.0, "lateral_slip_std must not be negative (rad)");
-  requireParameter(p.lateral_slip_time > 0.0, "lateral_slip_time must be positive (s)");
-  requireParameter(p.mount_yaw_std >= 0.0, "mount_yaw_std must not be negative (rad)");
-  requireParameter(p.error_correlation_time >= 0.0, "error_correlation_time must not be negative (s)");
-  requireParameter(p.max_rejected >= 1, "max_rejected must be at least 1");
-  requireParameter(p.max_gap > 0.0, "max_gap must be positive (s)");
-}
-
-std::string_view toString(VelocityFilter::Outcome outcome) noexcept {
-  switch (outcome) {
-    case VelocityFilter::Outcome::kStarted: return "started";
-    case VelocityFilter::Outcome::kUpdated: return "updated";
-    case VelocityFilter::Outcome::kRejected: return "rejected";
-    case VelocityFilter::Outcome::kStale: return "stale";
-  }
-  return "unknown";
-}
 
 /// z = h(x) + noise, linearised: the innovation z - h and the Jacobian H at the present state.
 struct VelocityFilter::Measurement {

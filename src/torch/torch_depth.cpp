@@ -22,7 +22,7 @@ class TorchDepth : public DepthEstimator {
                              {1, 1, just_depth::kRows, just_depth::kWidth},
                              "scripts/export_justdepth.py"})) {}
 
-  DepthNeeds needs() const override { return {true, true, false}; }
+  DepthNeeds needs() const override { return {true, true, false, true}; }
 
   cv::Mat estimate(const DepthInput& input) override {
     if (input.image.empty()) throw std::invalid_argument("depth 'torch': there is no image");

@@ -11,41 +11,16 @@
 #include "backend_registry.h"
 #include "depth_backends.h"
 #include "ground_ray.h"
-#include "parameter_checks.h"
 
 namespace radar_dot {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-void validate(const DepthParams& params) {
-  const ParameterChecks checks("depth");
-  checks.positive("max_depth", params.max_depth);
-  checks.require(std::abs(params.ground_pitch) < 0.5, "ground_pitch", params.ground_pitch,
-                 "between -0.5 and 0.5 rad");
-  checks.require(std::isfinite(params.ground_height), "ground_height", params.ground_height, "finite");
-  checks.positive("column_height", params.column_height);
-  checks.positive("column_half_width", params.column_half_width);
-  checks.require(params.azimuth_std >= 0.0, "azimuth_std", params.azimuth_std, "zero or positive");
-  checks.require(std::isfinite(params.background_depth) && params.background_depth >= 0.0, "background_depth",
-                 params.background_depth, "zero or positive");
-  checks.positive("background_angle", params.background_angle);
-  checks.notNegative("ground_pitch_std", params.ground_pitch_std);
-  checks.notNegative("ground_height_std", params.ground_height_std);
-  for (const auto& [name, value] :
-       {std::pair("relative_std", params.relative_std), std::pair("column_std", params.column_std),
-        std::pair("ground_relative_std", params.ground_relative_std),
-        std::pair("background_std", params.background_std), std::pair("lidar_std", params.lidar_std)})
-    checks.positive(name, value);
-  checks.notNegative("completion_std", params.completion_std);
-  checks.require(params.completion_kernel >= 1 && params.completion_kernel <= 199, "completion_kernel",
-                 params.completion_kernel, "between 1 and 199 px");
-}
-
 using Registry = BackendRegistry<DepthEstimatorFactory>;
 
 Registry& registry() {
-  static Registry instance("depth", {{"lidar", makeLidarDepth}, {"radar_ground", makeRadarGroundDepth}});
+  static Registry instance("depth", {{"lidar", makeLidarDepth}, {kRadarGroundBackend, makeRadarGroundDepth}});
   return instance;
 }
 
@@ -99,14 +74,15 @@ cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_b
 }
 
 cv::Mat groundRelativeStd(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
-                          double height, double pitch, const GroundUncertainty& uncertainty) {
-  const double slope = std::tan(pitch);
+                          const GroundParams& ground) {
+  const GroundUncertainty& uncertainty = ground.uncertainty;
+  const double slope = std::tan(ground.pitch);
   const double slope_std = uncertainty.pitch_std * (1.0 + slope * slope);
   cv::Mat stds(camera.height, camera.width, CV_32FC1);
   for (int v = 0; v < camera.height; ++v) {
     float* pixels = stds.ptr<float>(v);
     for (int u = 0; u < camera.width; ++u) {
-      const GroundRay ray = groundRay(camera, T_base_from_camera, u, v, slope, height);
+      const GroundRay ray = groundRay(camera, T_base_from_camera, u, v, slope, ground.height);
       const Eigen::Vector3d shares(ray.by_slope * slope_std / ray.rho,
                                    ray.by_height * uncertainty.height_std / ray.rho,
                                    uncertainty.relative_std);

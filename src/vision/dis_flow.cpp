@@ -17,14 +17,13 @@ namespace {
 /// Below this OpenCV's DIS chooses pyramids that read outside the image (4.6: ultrafast at 330 x 26 px).
 constexpr int kSmallestSide = 32;
 
-cv::Ptr<cv::DISOpticalFlow> makeDis(const std::string& preset) {
+cv::Ptr<cv::DISOpticalFlow> makeDis(FlowPreset preset) {
   using Dis = cv::DISOpticalFlow;
-  if (preset == "ultrafast") return Dis::create(Dis::PRESET_ULTRAFAST);
-  if (preset == "fast") return Dis::create(Dis::PRESET_FAST);
-  if (preset == "medium") return Dis::create(Dis::PRESET_MEDIUM);
-  if (preset != "fine") {
-    throw std::invalid_argument(
-        fmt::format("optical flow: preset '{}' is not one of ultrafast, fast, medium, fine", preset));
+  switch (preset) {
+    case FlowPreset::kUltrafast: return Dis::create(Dis::PRESET_ULTRAFAST);
+    case FlowPreset::kFast: return Dis::create(Dis::PRESET_FAST);
+    case FlowPreset::kMedium: return Dis::create(Dis::PRESET_MEDIUM);
+    case FlowPreset::kFine: break;
   }
   cv::Ptr<Dis> dis = Dis::create(Dis::PRESET_MEDIUM);
   dis->setFinestScale(0);

@@ -112,9 +112,10 @@ FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const c
   if (params_.forward_backward) {
     const cv::Mat start_back = start.empty() ? cv::Mat() : fillUnknown(reversed(start));
     field.backward = resizeFlow(runFrom(start_back, second_on_grid, first_on_grid), wanted);
-    closeForwardBackward(field, field.backward, params_.forward_backward_absolute, params_.forward_backward_relative);
+    closeForwardBackward(field, field.backward, params_.forward_backward_absolute,
+                         params_.forward_backward_relative);
   }
-  if (params_.initialisation == "temporal") previous_ = there.clone();
+  if (params_.initialisation == FlowStart::kTemporal) previous_ = there.clone();
   return field;
 }
 
@@ -129,8 +130,8 @@ cv::Mat GridFlow::prepared(const cv::Mat& image, const cv::Size& grid) const {
 }
 
 cv::Mat GridFlow::startValue(const cv::Size& grid, const cv::Mat& expected) const {
-  if (params_.initialisation == "temporal" && previous_.size() == grid) return previous_;
-  if (params_.initialisation != "expected" || expected.empty()) return {};
+  if (params_.initialisation == FlowStart::kTemporal && previous_.size() == grid) return previous_;
+  if (params_.initialisation != FlowStart::kExpected || expected.empty()) return {};
   if (expected.type() != CV_32FC2)
     throw std::invalid_argument("optical flow: the expected flow must be CV_32FC2");
   return resizeFlow(fillUnknown(expected), grid);

@@ -39,6 +39,12 @@ ColumnCount countColumn(const Eigen::Vector2d& bottom, const Eigen::Vector2d& to
 
 }  // namespace
 
+void validate(const MaskFootprint& footprint) {
+  const FieldList fields = fieldsOf(footprint);
+  checkFields(fields);
+  requireLess(fields, footprint.bottom, footprint.top);
+}
+
 std::vector<std::uint8_t> pointsInMask(const std::vector<Eigen::Vector3f>& points, const cv::Mat& mask,
                                        const CameraIntrinsics& camera,
                                        const Eigen::Isometry3d& T_camera_from_base,
@@ -58,7 +64,7 @@ std::vector<std::uint8_t> pointsInMask(const std::vector<Eigen::Vector3f>& point
     if (bottom.z() < kNearest || top.z() < kNearest) continue;
     const ColumnCount count =
         countColumn(camera.project(bottom.cast<double>()), camera.project(top.cast<double>()), mask);
-    if (count.visible > 0 && count.marked >= footprint.min_share * count.visible) in_mask[i] = 1;
+    if (count.visible > 0 && count.marked >= footprint.min_fraction * count.visible) in_mask[i] = 1;
   }
   return in_mask;
 }

@@ -10,7 +10,6 @@
 
 #include "ground_ray.h"
 #include "motion_images.h"
-#include "parameter_checks.h"
 #include "radar_dot/vision/depth_estimator.h"
 
 namespace radar_dot {
@@ -30,8 +29,6 @@ constexpr std::size_t kLeastPixels = 50;
 constexpr double kMedianOfChiSquare = 1.3863;  // 2 degrees of freedom
 constexpr double kExact = 1e-12;               // variances that stand for zero: a prior that holds
 
-const ParameterChecks kChecks("motion refinement");
-
 struct Pixel {
   double u = 0.0, v = 0.0;
   Eigen::Vector2d target = Eigen::Vector2d::Zero();  // where its flow leads
@@ -42,17 +39,18 @@ struct Pixel {
 
 class Refiner {
  public:
-  Refiner(const MotionInput& input, const std::optional<GroundPlane>& ground, const RefinementParams& params)
-      : input_(input), ground_(ground), params_(params), motion_(input.T_current_from_previous) {
+  Refiner(const MotionInput& input, const std::optional<GroundPlane>& ground, const FlowDepthNoise& noise,
+          const RefinementParams& params)
+      : input_(input), ground_(ground), noise_(noise), params_(params), motion_(input.T_current_from_previous) {
     Vector8 variances;
     variances.setConstant(kExact);
     Matrix8 prior = variances.asDiagonal();
     prior.topLeftCorner<6, 6>() += input.motion_covariance;
     if (ground) {
-      prior(kSlope, kSlope) = std::max(std::pow(params.ground_pitch_std, 2), kExact);
-      prior(kHeight, kHeight) = std::max(std::pow(params.ground_height_std, 2), kExact);
-      slope_ = std::tan(ground->pitch);
-      height_ = ground->height;
+      prior(kSlope, kSlope) = std::max(std::pow(ground->params.uncertainty.pitch_std, 2), kExact);
+      prior(kHeight, kHeight) = std::max(std::pow(ground->params.uncertainty.height_std, 2), kExact);
+      slope_ = std::tan(ground->params.pitch);
+      height_ = ground->params.height;
     }
     prior_information_ = prior.llt().solve(Matrix8::Identity());
     collect();
@@ -63,8 +61,6 @@ class Refiner {
     refined.T_current_from_previous = motion_;
     refined.covariance = input_.motion_covariance;
     refined.ground = ground_;
-    refined.ground_uncertainty = {params_.ground_pitch_std, params_.ground_height_std,
-                                  params_.ground_depth_std};
     refined.pixels = pixels_.size();
     if (pixels_.size() < kLeastPixels) return refined;
     for (int i = 0; i < params_.iterations; ++i) step();
@@ -74,10 +70,11 @@ class Refiner {
     refined.covariance = covariance.topLeftCorner<6, 6>();
     if (ground_) {
       const double slope = slope_ + total_[kSlope];
-      refined.ground->pitch = std::atan(slope);
-      refined.ground->height = height_ + total_[kHeight];
-      refined.ground_uncertainty.pitch_std = std::sqrt(covariance(kSlope, kSlope)) / (1.0 + slope * slope);
-      refined.ground_uncertainty.height_std = std::sqrt(covariance(kHeight, kHeight));
+      GroundParams& plane = refined.ground->params;
+      plane.pitch = std::atan(slope);
+      plane.height = height_ + total_[kHeight];
+      plane.uncertainty.pitch_std = std::sqrt(covariance(kSlope, kSlope)) / (1.0 + slope * slope);
+      plane.uncertainty.height_std = std::sqrt(covariance(kHeight, kHeight));
     }
     return refined;
   }
@@ -90,6 +87,7 @@ class Refiner {
 
   const MotionInput& input_;
   const std::optional<GroundPlane>& ground_;
+  const FlowDepthNoise& noise_;
   const RefinementParams& params_;
   Eigen::Isometry3d motion_;
   double slope_ = 0.0, height_ = 0.0;  // of the ground that was drawn
@@ -111,7 +109,7 @@ class Refiner {
 void Refiner::collect() {
   const CameraIntrinsics& camera = input_.camera;
   const int stride = std::max(1, static_cast<int>(std::lround(params_.stride / input_.pixel_scale)));
-  const double flow_std = params_.flow_std / input_.pixel_scale;
+  const double flow_std = noise_.flow_std / input_.pixel_scale;
   for (int v = stride / 2; v < camera.height; v += stride) {
     for (int u = stride / 2; u < camera.width; u += stride) {
       if (!input_.flow_valid.empty() && input_.flow_valid.at<std::uint8_t>(v, u) == 0) continue;
@@ -126,21 +124,21 @@ void Refiner::collect() {
                             pixel.target.y() >= 0.0 && pixel.target.x() <= camera.width - 1 &&
                             pixel.target.y() <= camera.height - 1;  // false for NaN
       if (!is_known) continue;
-      const double sigma = flow_std + params_.flow_std_relative * flow.norm();
+      const double sigma = flow_std + noise_.flow_std_relative * flow.norm();
       pixel.flow_variance = sigma * sigma;
       if (!input_.fb_error.empty()) {
         const auto gap = static_cast<double>(input_.fb_error.at<float>(v, u));
-        if (gap > 0.0) pixel.flow_variance += std::pow(params_.fb_error_weight * gap, 2);
+        if (gap > 0.0) pixel.flow_variance += std::pow(noise_.fb_error_weight * gap, 2);
       }
       pixel.rho = 1.0 / depth;
       const double declared =
           input_.depth_std.empty() ? kUnknown : static_cast<double>(input_.depth_std.at<float>(v, u));
-      pixel.rho_std = declared >= 0.0 ? declared : params_.depth_std;  // also for NaN
+      pixel.rho_std = declared >= 0.0 ? declared : noise_.depth_std;  // also for NaN
       if (ground_) {
         const GroundRay ray = groundRay(camera, ground_->T_base_from_camera, u, v, slope_, height_);
         pixel.is_ground = std::abs(ray.rho * depth - 1.0) < kSameDepth;
         // The errors that all of the ground shares are unknowns here, not noise.
-        if (pixel.is_ground) pixel.rho_std = params_.ground_depth_std;
+        if (pixel.is_ground) pixel.rho_std = ground_->params.uncertainty.relative_std;
       }
       pixels_.push_back(pixel);
     }
@@ -224,11 +222,7 @@ void Refiner::step() {
 }  // namespace
 
 Eigen::Matrix<double, 6, 6> baseMotionCovariance(const MotionUncertainty& uncertainty, double dt) {
-  kChecks.notNegative("forward_velocity_std", uncertainty.forward_velocity_std);
-  kChecks.notNegative("lateral_velocity_std", uncertainty.lateral_velocity_std);
-  kChecks.notNegative("vertical_velocity_std", uncertainty.vertical_velocity_std);
-  kChecks.notNegative("yaw_rate_std", uncertainty.yaw_rate_std);
-  kChecks.notNegative("tilt_std", uncertainty.tilt_std);
+  validate(uncertainty);
   const double tilt = uncertainty.tilt_std * std::sqrt(std::abs(dt));
   Eigen::Matrix<double, 6, 1> deviations;
   deviations << tilt, tilt, uncertainty.yaw_rate_std * dt, uncertainty.forward_velocity_std * dt,
@@ -236,23 +230,9 @@ Eigen::Matrix<double, 6, 6> baseMotionCovariance(const MotionUncertainty& uncert
   return deviations.cwiseAbs2().asDiagonal();
 }
 
-void validate(const RefinementParams& params) {
-  kChecks.positive("flow_std", params.flow_std);
-  kChecks.notNegative("flow_std_relative", params.flow_std_relative);
-  kChecks.notNegative("fb_error_weight", params.fb_error_weight);
-  kChecks.notNegative("depth_std", params.depth_std);
-  kChecks.notNegative("ground_depth_std", params.ground_depth_std);
-  kChecks.notNegative("ground_pitch_std", params.ground_pitch_std);
-  kChecks.notNegative("ground_height_std", params.ground_height_std);
-  kChecks.positive("independent_pixels", params.independent_pixels);
-  kChecks.positive("kernel_width", params.kernel_width);
-  kChecks.require(params.stride >= 1, "stride", params.stride, "1 px or more");
-  kChecks.require(params.iterations >= 1 && params.iterations <= 100, "iterations", params.iterations,
-                  "between 1 and 100");
-}
-
 RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundPlane>& ground,
-                           const RefinementParams& params) {
+                           const FlowDepthNoise& noise, const RefinementParams& params) {
+  validate(noise);
   validate(params);
   requireImage(input.flow, CV_32FC2, input.camera, "flow", "CV_32FC2");
   requireImage(input.depth, CV_32FC1, input.camera, "depth", "CV_32FC1");
@@ -262,7 +242,7 @@ RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundP
     requireImage(input.fb_error, CV_32FC1, input.camera, "fb_error", "CV_32FC1");
   if (!input.depth_std.empty())
     requireImage(input.depth_std, CV_32FC1, input.camera, "depth_std", "CV_32FC1");
-  return Refiner(input, ground, params).run();
+  return Refiner(input, ground, noise, params).run();
 }
 
 cv::Mat replaceGroundDepth(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
@@ -270,9 +250,9 @@ cv::Mat replaceGroundDepth(const cv::Mat& depth, const CameraIntrinsics& camera,
   requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
   constexpr double kEverywhere = std::numeric_limits<double>::infinity();
   const cv::Mat before =
-      groundDepth(camera, drawn.T_base_from_camera, drawn.height, drawn.pitch, kEverywhere);
+      groundDepth(camera, drawn.T_base_from_camera, drawn.params.height, drawn.params.pitch, kEverywhere);
   const cv::Mat after =
-      groundDepth(camera, refined.T_base_from_camera, refined.height, refined.pitch, max_depth);
+      groundDepth(camera, refined.T_base_from_camera, refined.params.height, refined.params.pitch, max_depth);
   cv::Mat exchanged = depth.clone();
   for (int row = 0; row < depth.rows; ++row) {
     const auto* old_ground = before.ptr<float>(row);
@@ -293,9 +273,8 @@ cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, cons
   if (!refined.ground) return relative_std;
   constexpr double kEverywhere = std::numeric_limits<double>::infinity();
   const cv::Mat before =
-      groundDepth(camera, drawn.T_base_from_camera, drawn.height, drawn.pitch, kEverywhere);
-  const cv::Mat ground = groundRelativeStd(camera, drawn.T_base_from_camera, refined.ground->height,
-                                           refined.ground->pitch, refined.ground_uncertainty);
+      groundDepth(camera, drawn.T_base_from_camera, drawn.params.height, drawn.params.pitch, kEverywhere);
+  const cv::Mat ground = groundRelativeStd(camera, drawn.T_base_from_camera, refined.ground->params);
   cv::Mat exchanged = relative_std.clone();
   for (int row = 0; row < depth.rows; ++row) {
     const auto* old_ground = before.ptr<float>(row);
@@ -311,8 +290,8 @@ cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, cons
 }
 
 void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, double max_depth,
-                 const RefinementParams& params) {
-  const RefinedMotion refined = refineMotion(input, ground, params);
+                 const FlowDepthNoise& noise, const RefinementParams& params) {
+  const RefinedMotion refined = refineMotion(input, ground, noise, params);
   input.T_current_from_previous = refined.T_current_from_previous;
   input.motion_covariance = refined.covariance;
   if (!ground) return;

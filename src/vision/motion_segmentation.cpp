@@ -15,7 +15,6 @@
 #include "motion_images.h"
 #include "motion_pass.h"
 #include "parallel_rows.h"
-#include "parameter_checks.h"
 #include "radar_dot/vision/motion_terms.h"
 #include "radar_dot/vision/uncertainty_terms.h"
 #include "vectorised.h"
@@ -29,7 +28,10 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFootprintBelow = 0.5F;
 constexpr float kFootprintAbove = 1.5F;
 
-const ParameterChecks kChecks("motion segmentation");
+void requireInput(bool good, const char* name, double value, const char* wanted) {
+  if (!good)
+    throw std::invalid_argument(fmt::format("motion segmentation: {} is {}, must be {}", name, value, wanted));
+}
 
 /// An odd kernel of the grid for a diameter given in px of the full image.
 int kernelSize(int diameter, double pixel_scale) {
@@ -99,33 +101,11 @@ float medianOf(const cv::Mat& image, const FloatHistogram& histogram, std::size_
 }  // namespace
 
 void validate(const MotionParams& params) {
-  kChecks.notNegative("k", params.k);
-  kChecks.notNegative("lambda", params.lambda);
-  kChecks.positive("min_depth", params.min_depth);
-  kChecks.positive("foe_std", params.foe_std);
-  kChecks.positive("max_depth", params.max_depth);
-  kChecks.require(params.occlusion_margin >= 0.0 && params.occlusion_margin <= 1.0, "occlusion_margin",
-                  params.occlusion_margin, "between 0 and 1");
-  kChecks.require(params.opening >= 0 && params.opening <= 999, "opening", params.opening,
-                  "between 0 and 999 px");
-  kChecks.require(params.closing >= 0 && params.closing <= 999, "closing", params.closing,
-                  "between 0 and 999 px");
-  kChecks.notNegative("min_threshold", params.min_threshold);
-  kChecks.notNegative("flow_std", params.flow_std);
-  kChecks.notNegative("flow_std_relative", params.flow_std_relative);
-  kChecks.require(params.flow_std + params.flow_std_relative > 0.0, "flow_std", params.flow_std,
-                  "positive, or flow_std_relative");
-  kChecks.notNegative("fb_error_weight", params.fb_error_weight);
-  kChecks.notNegative("depth_std", params.depth_std);
-  kChecks.positive("next_depth_std", params.next_depth_std);
-  kChecks.require(params.false_alarm > 0.0 && params.false_alarm < 1.0, "false_alarm", params.false_alarm,
-                  "between 0 and 1");
-  kChecks.notNegative("radar_gain", params.radar_gain);
-  kChecks.notNegative("static_gain", params.static_gain);
-  kChecks.notNegative("radar_azimuth_std", params.radar_azimuth_std);
-  kChecks.positive("min_scale", params.min_scale);
-  kChecks.require(params.seed >= 1.0 && std::isfinite(params.seed), "seed", params.seed, "1 or more");
-  kChecks.positive("radar_radius", params.radar_radius);
+  const FieldList fields = fieldsOf(params);
+  checkFields(fields);
+  const FlowDepthNoise& noise = params.noise;
+  require(noise.flow_std + noise.flow_std_relative > 0.0, fields, {&noise.flow_std, &noise.flow_std_relative},
+          "one of them must be positive");
 }
 
 struct MotionSegmenter::Workspace {
@@ -306,7 +286,7 @@ void MotionSegmenter::Workspace::makeMask(const MotionParams& params, double pix
   result.valid_count = static_cast<std::size_t>(cv::countNonZero(result.valid));
   const int opening = kernelSize(params.opening, pixel_scale);
   morphology(result.mask, cv::MORPH_OPEN, opening);
-  if (by_uncertainty && params.seed > 1.0) keepSeeded(static_cast<float>(params.seed) * tau, opening);
+  if (by_uncertainty && params.hysteresis_ratio > 1.0) keepSeeded(static_cast<float>(params.hysteresis_ratio) * tau, opening);
   morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.closing, pixel_scale));
   // Closing reaches over excluded pixels, of which nothing is known.
   cv::bitwise_and(result.mask, result.valid, result.mask);
@@ -332,16 +312,16 @@ void requireImages(const MotionInput& input) {
 
 const MotionResult& MotionSegmenter::segment(const MotionInput& input, const MotionInput* before) {
   const CameraIntrinsics& camera = input.camera;
-  kChecks.require(camera.width >= 2 && camera.height >= 2, "width of the camera's grid", camera.width,
-                  "2 px or more");
-  kChecks.require(input.pixel_scale > 0.0 && std::isfinite(input.pixel_scale), "pixel_scale",
-                  input.pixel_scale, "positive");
+  requireInput(camera.width >= 2 && camera.height >= 2, "width of the camera's grid", camera.width,
+               "2 px or more");
+  requireInput(input.pixel_scale > 0.0 && std::isfinite(input.pixel_scale), "pixel_scale", input.pixel_scale,
+               "positive");
   requireImages(input);
   const bool by_uncertainty = params_.score == MotionScore::kUncertainty;
   if (!by_uncertainty && (before != nullptr || !input.belief.empty()))
     throw std::invalid_argument("motion segmentation: the paper's score knows nothing of images before");
   if (before != nullptr) {
-    kChecks.require(before->camera.width == camera.width && before->camera.height == camera.height,
+    requireInput(before->camera.width == camera.width && before->camera.height == camera.height,
                     "width of the grid of the previous pair", before->camera.width, "that of the pair");
     requireImages(*before);
   }

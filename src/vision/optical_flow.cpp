@@ -33,15 +33,7 @@ void requireFlow(const cv::Mat& flow, const char* name) {
 }  // namespace
 
 std::unique_ptr<OpticalFlow> makeOpticalFlow(const OpticalFlowParams& params) {
-  if (params.initialisation != "none" && params.initialisation != "temporal" &&
-      params.initialisation != "expected") {
-    throw std::invalid_argument(fmt::format(
-        "optical flow: initialisation '{}' is not one of none, temporal, expected", params.initialisation));
-  }
-  if (params.working_width < 0)
-    throw std::invalid_argument(fmt::format("optical flow: working_width is {}", params.working_width));
-  if (!(params.forward_backward_absolute >= 0.0) || !(params.forward_backward_relative >= 0.0))
-    throw std::invalid_argument("optical flow: the tolerances of forward_backward must be zero or positive");
+  validate(params);
   return registry().find(params.backend)(params);
 }
 

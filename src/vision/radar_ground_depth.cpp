@@ -151,12 +151,10 @@ class RadarGroundDepth : public DepthEstimator {
 
   Layers drawn(const DepthInput& input, bool with_stds) const {
     Layers layers;
-    layers.depth = groundDepth(input.camera, input.T_base_from_camera, params_.ground_height,
-                               params_.ground_pitch, params_.max_depth);
+    layers.depth = groundDepth(input.camera, input.T_base_from_camera, params_.ground.height,
+                               params_.ground.pitch, params_.max_depth);
     if (with_stds) {
-      layers.stds = groundRelativeStd(
-          input.camera, input.T_base_from_camera, params_.ground_height, params_.ground_pitch,
-          {params_.ground_pitch_std, params_.ground_height_std, params_.ground_relative_std});
+      layers.stds = groundRelativeStd(input.camera, input.T_base_from_camera, params_.ground);
     }
     std::vector<Column> columns = columnsOf(input);
     if (params_.image_edges && !input.image.empty()) {
@@ -170,14 +168,14 @@ class RadarGroundDepth : public DepthEstimator {
 
   std::vector<Column> columnsOf(const DepthInput& input) const {
     const Eigen::Isometry3d T_camera_from_base = input.T_base_from_camera.inverse();
-    const double slope = std::tan(params_.ground_pitch);
+    const double slope = std::tan(params_.ground.pitch);
     std::vector<Column> columns;
     for (const Eigen::Vector3f& point : input.radar_points) {
       if (!point.allFinite()) continue;
       // A planar radar knows no height: the column stands on the ground.
       const double x = static_cast<double>(point.x());
       const double y = static_cast<double>(point.y());
-      const double ground = params_.ground_height + slope * x;
+      const double ground = params_.ground.height + slope * x;
       const Eigen::Vector3d foot = T_camera_from_base * Eigen::Vector3d(x, y, ground);
       const Eigen::Vector3d head = T_camera_from_base * Eigen::Vector3d(x, y, ground + params_.column_height);
       if (!(foot.z() > kNearest) || !(head.z() > kNearest) || foot.z() > params_.max_depth) continue;

@@ -93,6 +93,10 @@ TEST(Fields, SetEachTypeFromText) {
   EXPECT_EQ(street.open_end, std::numeric_limits<double>::infinity());
   set("numbers", "");
   EXPECT_TRUE(street.numbers.empty());
+  fields.find("near")->set(std::int64_t{3});
+  fields.find("lanes")->set(3.0);
+  EXPECT_EQ(street.near, 3.0);
+  EXPECT_EQ(street.lanes, 3);
 }
 
 TEST(Fields, TextReadsBackExactly) {
@@ -167,6 +171,10 @@ TEST(Fields, DictionariesHoldParametersByName) {
   EXPECT_EQ(street.lamps.at("corner").power, 7.0);
   EXPECT_FALSE(street.lamps.at("corner").tilt.has_value());
   EXPECT_EQ(street.lamps.at("gate").tilt, 0.5);
+  EXPECT_TRUE(lamps.entry("gate").find("tilt")->optional);
+  lamps.entry("gate").find("tilt")->setFromText("");
+  EXPECT_FALSE(street.lamps.at("gate").tilt.has_value());
+  lamps.entry("gate").find("tilt")->setFromText("0.5");
   Street other = street;
   EXPECT_TRUE(sameFields(street, other));
   other.lamps.at("gate").power = 1.0;

@@ -385,7 +385,7 @@ TEST(EgoVelocity, DuplicatesDoNotFoolTheGeometry) {
 double normalisedError(const EgoVelocityParams& params, SweepOptions options = {}) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal(0.0, 1.0);
-  options.doppler_sigma = params.doppler_std;
+  options.doppler_sigma = params.noise.doppler_std;
   const Vector3d v(8.0, 0.0, 0.0);
   constexpr int kTrials = 400;
   double squared = 0.0;
@@ -412,8 +412,8 @@ double normalisedError(const EgoVelocityParams& params, SweepOptions options = {
 
 TEST(EgoVelocity, CovarianceIsConsistentWithTheErrors) {
   EgoVelocityParams params = paramsFor(MotionModel::kPlanarYaw);
-  params.doppler_std = 0.1;
-  params.azimuth_std = 0.0;
+  params.noise.doppler_std = 0.1;
+  params.noise.azimuth_std = 0.0;
   for (const double scan_std : {0.0, 0.05}) {
     params.scan_std = scan_std;
     const double error = normalisedError(params);
@@ -497,13 +497,13 @@ TEST(EgoVelocity, ObservabilityDoesNotHangOnMillimetres) {
 // Bearings that are off make errors that grow with the speed across the line of sight.
 TEST(EgoVelocity, CovarianceCountsBearingErrors) {
   EgoVelocityParams params = paramsFor(MotionModel::kPlanarYaw);
-  params.doppler_std = 0.02;
-  params.azimuth_std = 0.02;
+  params.noise.doppler_std = 0.02;
+  params.noise.azimuth_std = 0.02;
   params.scan_std = 0.0;
   SweepOptions options;
-  options.azimuth_sigma = params.azimuth_std;
+  options.azimuth_sigma = params.noise.azimuth_std;
   const double with = normalisedError(params, options);
-  params.azimuth_std = 0.0;
+  params.noise.azimuth_std = 0.0;
   const double without = normalisedError(params, options);
   EXPECT_LT(with, 5.0);
   EXPECT_GT(with, 1.5);
@@ -513,14 +513,14 @@ TEST(EgoVelocity, CovarianceCountsBearingErrors) {
 // Noise above the model widens the covariance.
 TEST(EgoVelocity, CovarianceWidensWithTheResiduals) {
   EgoVelocityParams params = paramsFor(MotionModel::kPlanarYaw);
-  params.azimuth_std = params.scan_std = 0.0;
-  params.doppler_std = 0.05;
+  params.noise.azimuth_std = params.scan_std = 0.0;
+  params.noise.doppler_std = 0.05;
   SweepOptions options;
   options.doppler_sigma = 0.1;
   const Sweep sweep = makeSweep(carMounts(), {8.0, 0.0, 0.0}, Vector3d::Zero(), options);
   EgoVelocityEstimator optimistic(params);
   const double claimed = optimistic.estimate(sweep.scans(), 0.0).covariance(0, 0);
-  params.doppler_std = 0.1;
+  params.noise.doppler_std = 0.1;
   EgoVelocityEstimator honest(params);
   const double fair = honest.estimate(sweep.scans(), 0.0).covariance(0, 0);
   EXPECT_NEAR(claimed / fair, 1.0, 0.3) << "unwidened it would claim a quarter";
@@ -538,13 +538,13 @@ TEST(EgoVelocity, SenselessParametersAreNamed) {
     return std::string();
   };
   EXPECT_NE(messageOf([](auto& p) { p.ransac_iterations = 0; }).find("ransac_iterations"), std::string::npos);
-  EXPECT_NE(messageOf([](auto& p) { p.doppler_std = 0.0; }).find("doppler_std"), std::string::npos);
+  EXPECT_NE(messageOf([](auto& p) { p.noise.doppler_std = 0.0; }).find("doppler_std"), std::string::npos);
   EXPECT_NE(messageOf([](auto& p) { p.inlier_threshold = std::nan(""); }).find("inlier_threshold"),
             std::string::npos);
-  EXPECT_THROW(motionModelFromString("bicycle"), std::invalid_argument);
-  EXPECT_THROW(solverFromString("magic"), std::invalid_argument);
-  EXPECT_EQ(motionModelFromString("ackermann"), MotionModel::kAckermann);
-  EXPECT_EQ(solverFromString("ransac"), Solver::kRansac);
+  EXPECT_THROW(fromString<MotionModel>("bicycle"), std::invalid_argument);
+  EXPECT_THROW(fromString<Solver>("magic"), std::invalid_argument);
+  EXPECT_EQ(fromString<MotionModel>("ackermann"), MotionModel::kAckermann);
+  EXPECT_EQ(fromString<Solver>("ransac"), Solver::kRansac);
 }
 
 }  // namespace

@@ -59,8 +59,8 @@ TEST(ReturnsOverGround, CovarianceFollowsTheGeometry) {
   const std::vector<DopplerReturn> returns = {seenAt({3.0, 40.8, 0.5}, Vector3d::Zero())};
   OverGroundParams params;
   params.range_std = 0.2;
-  params.azimuth_std = 0.02;
-  params.doppler_std = 0.1;
+  params.noise.azimuth_std = 0.02;
+  params.noise.doppler_std = 0.1;
   const auto over = returnsOverGround({&returns, mount(), 0.0}, kLinear, kAngular, params);
   ASSERT_EQ(over.size(), 1U);
   EXPECT_NEAR(over[0].covariance(1, 1), 0.04, 1e-4) << "range, straight to the left";

@@ -37,9 +37,9 @@ TEST(SensorVelocity, IsTheRigidMotionAtTheRadar) {
 TEST(SensorVelocity, CovarianceIsConsistent) {
   test::SweepOptions options;
   options.doppler_sigma = 0.12;
-  SensorVelocityParams params;
-  params.scan_std = 0.0;
-  params.azimuth_std = 0.0;
+  EgoVelocityParams params;
+  params.sensor.sensor_scan_std = 0.0;
+  params.noise.azimuth_std = 0.0;
   const Vector3d v(6.0, 0.0, 0.0);
   double sum = 0.0;
   std::size_t count = 0;

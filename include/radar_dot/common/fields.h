@@ -72,6 +72,7 @@ struct Field {
   Range range;
   bool at_start = false;   ///< read once: not to be changed while the nodelet runs
   bool live_only = false;  ///< without effect on evaluation, which reads files instead of topics
+  bool optional = false;   ///< may have no value: monostate, or an empty text
   std::vector<std::pair<const char*, const char*>> choices;  ///< of an enum: name, text
 
   const void* address = nullptr;  ///< of the member
@@ -80,9 +81,11 @@ struct Field {
 
   /// "between 0 and 1 m", "one of a, b": what is valid; empty: everything of its type.
   std::string valid() const;
+  /// "a whole number", "a list of texts"
+  const char* typeText() const;
   /// @throws InvalidParameter naming field, value and what is valid, also for another type
   void check(const FieldValue& value) const;
-  /// Checked. An integer is accepted for a real number.
+  /// Checked. An integer is accepted for a real number, and 5.0 for an integer.
   void set(const FieldValue& value) const;
   /// From text as in toText; lists with or without brackets. @throws InvalidParameter
   void setFromText(const std::string& text) const;
@@ -150,6 +153,12 @@ void validateFields(const Params& params) {
   checkFields(fieldsOf(params));
 }
 
+/// Of parameters without rules between fields; those with rules have an overload beside their struct.
+template <typename Params, typename = decltype(&Params::describe)>
+void validate(const Params& params) {
+  validateFields(params);
+}
+
 bool sameValues(const FieldList& a, const FieldList& b);
 /// Are all parameters equal?
 template <typename Params>
@@ -200,6 +209,7 @@ void FieldList::add(const char* name, Value& value, const char* text, const char
     };
   } else if constexpr (std::is_same_v<Value, std::optional<double>>) {
     field.type = FieldType::kDouble;
+    field.optional = true;
     field.get = [&value] { return value ? FieldValue(*value) : FieldValue(); };
     field.put = [&value](const FieldValue& given) {
       const double* number = std::get_if<double>(&given);

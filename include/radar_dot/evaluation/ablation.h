@@ -25,8 +25,8 @@ struct AblationResult {
 inline constexpr double kMemory = 0.4;
 
 /// "paper", "+ uncertainty", "+ refinement", "+ radar evidence", "+ look back", "+ memory", in this order:
-/// the paper's score without radar in the mask; the score by uncertainty, with forward and backward flow as its
-/// noise; the motion refined by the image; radar returns that move the threshold, with the gains of
+/// the paper's score without radar in the mask; the score by uncertainty, with forward and backward flow as
+/// its noise; the motion refined by the image; radar returns that move the threshold, with the gains of
 /// `options`, or their defaults where those are 0; the previous pair; and what the mask before said. The last
 /// two are left out for flow that is no backend's. Everything else is as in `options`. Masks are saved by
 /// none.

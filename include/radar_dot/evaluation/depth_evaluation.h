@@ -6,32 +6,30 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/config/sections.h"
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/depth_metrics.h"
-#include "radar_dot/radar/doppler_returns.h"
-#include "radar_dot/vision/depth_estimator.h"
+#include "radar_dot/evaluation/evaluation_inputs.h"
 
 namespace radar_dot::evaluation {
 
+/// What depth is compared with.
+enum class DepthTruth { kGroundTruth, kLidar };
+
 /// What is evaluated, and with which parameters.
 struct DepthEvaluationOptions {
-  std::string channel = "CAM_FRONT";
-  std::size_t max_images = 0;  ///< the first ones of each scene; 0 = all
-  /// A backend of makeDepthEstimator, "ground_truth", "noisy" (see noisyDepth), or "files". The sigmas of the
-  /// last three: kTrueDepthStd, noisyDepthStd, and DepthParams::relative_std.
-  std::string depth = "radar_ground";
-  /// Folder with <stem of the image>.png, for depth "files": 16-bit PNG, m * 256, 0 = unknown.
-  std::string depth_directory;
-  /// "ground_truth" of a simulated dataroot, or "lidar": every second point of each beam of the LIDAR_TOP
-  /// sweep nearest to the image, the pixels it falls on. Depth "lidar" then sees only the other points. The
-  /// sweep is moved to the time of the image as if the world were static, and what lidar sees beside an
-  /// object that hides it from the camera stays in.
-  std::string truth = "ground_truth";
-  int working_width = 800;                        ///< px, of the grid of both depths; 0 = that of the images
-  std::vector<std::string> radar_channels;        ///< empty = every radar of the scene
-  std::vector<std::string> depth_radar_channels;  ///< see SegmentationEvaluationOptions
-  ExtractionParams extraction;
-  DepthParams depth_params;
+  /// Both depths are on the grid of its working_width. The sigmas of the sources that are no backends:
+  /// kTrueDepthStd of ground_truth, noisyDepthStd of noisy, and relative_std of files.
+  DepthConfig depth;
+  EgoVelocityConfig ego_velocity;  ///< which returns depth sees
+  DepthInputOptions depth_input;
+  std::vector<std::string> radar_channels;
+  std::string camera = "CAM_FRONT";
+  std::size_t max_images = 0;
+  DepthTruth truth = DepthTruth::kGroundTruth;
+
+  /// Those that are in no section of a configuration file.
+  void describe(FieldList& fields);
 };
 
 /// Results of one scene, or of several merged by operator+=.
@@ -62,3 +60,18 @@ std::string formatJson(const std::vector<DepthReport>& scenes, const DepthReport
 std::string formatCsv(const std::vector<DepthReport>& scenes, const DepthReport& overall);
 
 }  // namespace radar_dot::evaluation
+
+namespace radar_dot {
+
+template <>
+struct EnumNames<evaluation::DepthTruth> {
+  static constexpr const char* kWhat = "truth";
+  static constexpr EnumName<evaluation::DepthTruth> kValues[] = {
+      {evaluation::DepthTruth::kGroundTruth, "ground_truth", "of a simulated dataroot"},
+      {evaluation::DepthTruth::kLidar, "lidar",
+       "every second point of each beam of the nearest LIDAR_TOP sweep, moved to the time of the image as if "
+       "the world "
+       "were static; depth_backend lidar sees only the other points"}};
+};
+
+}  // namespace radar_dot

@@ -11,9 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "radar_dot/config/sections.h"
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/annotation_labels.h"
-#include "radar_dot/evaluation/mask_age.h"
+#include "radar_dot/evaluation/evaluation_inputs.h"
 #include "radar_dot/evaluation/mean.h"
 #include "radar_dot/evaluation/trajectory.h"
 #include "radar_dot/radar/doppler_returns.h"
@@ -22,41 +23,22 @@
 
 namespace radar_dot::evaluation {
 
-/// The Doppler velocities of the nuScenes radars read about 0.35 % low against the displacement of the
-/// poses, in all scenes of both vehicles: a planar radar takes returns from above or below its plane
-/// as level, and their range rate is smaller by the cosine of the elevation.
-inline constexpr double kNuscenesDopplerScale = 1.0035;
-
-/// The positions of the nuScenes radars are where static objects stand half a scan cycle after the velocities
-/// were measured, in a turning vehicle: the returns of turns in scenes of one vehicle say 0.0380 and 0.0373
-/// s, give or take 0.0005.
-inline constexpr double kNuscenesBearingDelay = 0.038;
-
 /// What is evaluated, and with which parameters.
 struct VelocityEvaluationOptions {
-  std::vector<std::string> channels;  ///< empty = every radar of the scene
-  ExtractionParams extraction;
-  /// Model, solver and passes vary over the table; everything else is taken from here.
-  EgoVelocityParams estimator;
-  double window = 0.1;  ///< s, age of the oldest scan of a sweep
-  /// s, by which the bearings of returns are later than their velocities. Every scan is turned back by the
-  /// yaw rate estimated last.
-  double bearing_delay = 0.0;
-  bool filter = false;  ///< evaluate the causal filter over sweeps as well
-  VelocityFilterParams filter_params;
-  bool filter_radars = true;  ///< the filter takes each radar by itself; else the joint estimates
-  /// rad, by channel: added to the yaw of the calibrated mount.
-  std::map<std::string, double> mount_yaw_corrections;
+  /// Model, solver and passes vary over the table; everything else is taken from here. The entry of `radars`
+  /// whose topic ends like the name of a channel, in small letters (radar_front: RADAR_FRONT), holds for that
+  /// radar.
+  EgoVelocityConfig ego_velocity;
+  std::vector<std::string> radar_channels;
+  std::vector<std::string> mount_yaw_corrections;  ///< "CHANNEL=RAD", instead of those in `radars`
+  bool filter_radars = true;
   LabelParams labels;
-  /// Folder with <stem of the image>.png of saved masks: the returns of a scan in the newest mask at or
-  /// before it are known to move. They are brought to the time of the mask with the velocity estimated last.
-  /// Empty = no masks.
-  std::string mask_directory;
-  std::string mask_channel = "CAM_FRONT";
-  double max_mask_age = kMaxMaskAge;  ///< s, from the image of a mask to the scan
-  /// s, from an image to the time its mask is known. A mask needs the second image of its pair: 0.5 for the
-  /// masks of pairs of keyframes is what a vehicle would have; 0 lets a mask speak from its image on.
-  double mask_delay = 0.0;
+  /// The returns of a scan in the newest mask at or before it are known to move. They are brought to the time
+  /// of the mask with the velocity estimated last.
+  SavedMaskOptions masks;
+
+  /// Those that are in no section of a configuration file.
+  void describe(FieldList& fields);
 };
 
 /// The paper's four estimators, planar model: B1 least squares on all returns, A1 on the static

@@ -7,34 +7,27 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/config/sections.h"
 #include "radar_dot/dataset/tables.h"
+#include "radar_dot/evaluation/evaluation_inputs.h"
 #include "radar_dot/evaluation/flow_metrics.h"
-#include "radar_dot/vision/depth_estimator.h"
-#include "radar_dot/vision/optical_flow.h"
 
 namespace radar_dot::evaluation {
 
 /// What is evaluated, and with which parameters.
 struct FlowEvaluationOptions {
-  std::string channel = "CAM_FRONT";
-  /// "keyframes": a keyframe and the next one; "next": a keyframe and the image after it.
-  std::string pairs = "keyframes";
-  std::size_t max_pairs = 0;  ///< the first ones of each scene; 0 = all
-  /// A backend of makeOpticalFlow, "ground_truth", or "files".
-  std::string flow = "dis";
-  /// Folder with <stem of the first image>.png, for flow "files": KITTI's 16-bit PNG, px of its own grid.
-  std::string flow_directory;
-  /// px, width of the grid that flow and truth are compared on; 0 = that of the images. The truth is taken
-  /// at the pixel nearest to each one of the grid. Errors are px of the full image on every grid.
-  int working_width = 800;
-  /// Its backend and working_width are not looked at. Initialisation "expected" starts from the flow of a
-  /// static world by the depth below and the true motion of the vehicle.
-  OpticalFlowParams optical_flow;
-  /// A backend of makeDepthEstimator, "ground_truth", "noisy" (see noisyDepth), or "files".
-  std::string depth = "radar_ground";
-  std::string depth_directory;                    ///< see DepthEvaluationOptions
-  std::vector<std::string> depth_radar_channels;  ///< see SegmentationEvaluationOptions
-  DepthParams depth_params;
+  /// Flow and truth are compared on the grid of its working_width. The truth is taken at the pixel nearest to
+  /// each one of the grid. Errors are px of the full image on every grid. Initialisation "expected" starts
+  /// from the flow of a static world by the depth below and the true motion of the vehicle; its depth is on
+  /// the same grid.
+  OpticalFlowConfig optical_flow;
+  DepthConfig depth;
+  EgoVelocityConfig ego_velocity;  ///< which returns depth sees
+  PairOptions pairs;
+  DepthInputOptions depth_input;
+
+  /// Those that are in no section of a configuration file.
+  void describe(FieldList& fields);
 };
 
 /// Results of one scene, or of several merged by operator+=.

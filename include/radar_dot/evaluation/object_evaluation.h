@@ -8,58 +8,44 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/config/sections.h"
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
+#include "radar_dot/evaluation/evaluation_inputs.h"
 #include "radar_dot/evaluation/mean.h"
-#include "radar_dot/objects/mask_regions.h"
-#include "radar_dot/objects/object_detection.h"
-#include "radar_dot/objects/object_tracker.h"
 #include "radar_dot/radar/returns_over_ground.h"
 
 namespace radar_dot::evaluation {
 
-/// Which returns objects are sought in: more than the ego velocity is estimated from. All states of validity
-/// that the sensor calls valid with a reservation, and a false-alarm probability up to 75 %.
-ReturnFilter objectFilter();
-
-/// Saved masks as a further source of detections. They have no flow, so that they tell where something is,
-/// not how fast.
-struct ObjectMaskOptions {
-  std::string directory;              ///< with <stem of the image>.png of every mask; empty = no masks
-  std::string channel = "CAM_FRONT";  ///< the camera
-  /// Depth of the image: a backend of makeDepthEstimator but "torch", "ground_truth", "noisy", or "files"
-  /// with its folder, as in SegmentationEvaluationOptions.
-  std::string depth = "radar_ground";
-  std::string depth_directory;
-  int working_width = 800;  ///< px, of the grid of depth and regions; 0 = that of the images
-  /// s, from an image to the time its mask is known: it is used then, as a measurement at the time of its
-  /// image. At most ObjectTrackerParams::max_lag. 0 lets a mask that was made with a later image speak too
-  /// early.
-  double delay = 0.0;
-  bool starts_tracks = false;  ///< regions start tracks too; else they carry on those of the radar
-  MaskRegionParams regions;
-};
+/// Which returns objects are sought in.
+enum class ObjectReturns { kStrict, kReserved, kAll };
 
 /// What is evaluated, and with which parameters.
 struct ObjectEvaluationOptions {
-  /// Of the ego velocity; `channels`, the scale and the bearing delay count for the objects too. Its filter
-  /// is always on.
+  /// Of the ego velocity; radars, scale and bearing delay count for the objects too. Its filter is always on,
+  /// and its masks are not used.
   VelocityEvaluationOptions ego;
-  ReturnFilter filter = objectFilter();  ///< of the returns that objects are sought in
-  /// Returns that the filter leaves out for their states alone start no track, but may carry one on.
-  bool doubtful = true;
-  OverGroundParams returns;
-  DetectionParams detection;
-  ObjectTrackerParams tracker;
-  ObjectMaskOptions masks;
+  MovingObjectsConfig objects;
+  /// Depth of the images of saved masks, by any backend but "torch".
+  DepthConfig depth;
+  DepthInputOptions depth_input;
+  /// Saved masks as a further source of detections. They have no flow, so that they give the place, but no
+  /// velocity. A mask is used from its delay on, as a measurement at the time of its image: a delay above
+  /// max_lag is refused.
+  SavedMaskOptions masks;
 
-  /// Where objects count: distance and azimuth of their centre from the origin of the base frame.
-  double max_range = 50.0;                  ///< m
-  double max_azimuth = 1.0471975511965976;  ///< rad, to either side of straight ahead
-  double margin = 1.0;                      ///< m, by which a box is grown on all sides
-  double centre_distance = 2.0;             ///< m; a track this near to the centre of a box matches too
-  double min_speed = 0.5;                   ///< m/s, a box that is called moving moves at least this fast
-  double unseen_time = 0.5;                 ///< s before a keyframe in which a return makes a mover seen
+  ObjectReturns object_returns = ObjectReturns::kReserved;
+  /// Returns that are left out for their states alone start no track, but may continue one.
+  bool doubtful = true;
+  double max_range = 50.0;
+  double max_azimuth = 1.0471975511965976;
+  double margin = 1.0;
+  double min_speed = 0.5;
+  double centre_distance = 2.0;  ///< m; a track this near to the centre of a box matches too
+  double unseen_time = 0.5;      ///< s before a keyframe in which a return makes a mover seen
+
+  /// Those that are in no section of a configuration file.
+  void describe(FieldList& fields);
 };
 
 /// The kinds of movers, by category of their box.
@@ -138,3 +124,17 @@ std::string formatJson(const std::vector<ObjectReport>& scenes, const ObjectRepo
 std::string formatCsv(const std::vector<ObjectReport>& scenes, const ObjectReport& overall);
 
 }  // namespace radar_dot::evaluation
+
+namespace radar_dot {
+
+template <>
+struct EnumNames<evaluation::ObjectReturns> {
+  static constexpr const char* kWhat = "object_returns";
+  static constexpr EnumName<evaluation::ObjectReturns> kValues[] = {
+      {evaluation::ObjectReturns::kStrict, "strict", "those that the ego velocity is estimated from"},
+      {evaluation::ObjectReturns::kReserved, "reserved",
+       "also those that the sensor calls valid with a reservation, and a false-alarm probability up to 75 %"},
+      {evaluation::ObjectReturns::kAll, "all", "whatever their states"}};
+};
+
+}  // namespace radar_dot

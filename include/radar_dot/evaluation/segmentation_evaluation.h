@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/config/sections.h"
 #include "radar_dot/dataset/instance_masks.h"
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/annotation_labels.h"
-#include "radar_dot/evaluation/mask_age.h"
+#include "radar_dot/evaluation/evaluation_inputs.h"
 #include "radar_dot/evaluation/mean.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
@@ -22,60 +23,35 @@
 
 namespace radar_dot::evaluation {
 
+/// Velocity of the vehicle between the images of a pair.
+enum class VelocitySource { kRadar, kRadarStart, kGroundTruth };
+/// Rotation of the vehicle between the images of a pair.
+enum class RotationSource { kGroundTruth, kRadar };
+
 /// What is evaluated, and with which parameters.
 struct SegmentationEvaluationOptions {
-  std::string channel = "CAM_FRONT";
-  /// "keyframes": a keyframe and the next one, as in the paper; "next": a keyframe and the image after it.
-  std::string pairs = "keyframes";
-  std::size_t max_pairs = 0;  ///< the first ones of each scene; 0 = all
-  /// A backend of makeOpticalFlow, "ground_truth" (of a simulated dataroot), or "files".
-  std::string flow = "dis";
-  /// A backend of makeDepthEstimator, "ground_truth", "noisy" (ground truth with the errors of a depth
-  /// network, see noisyDepth), or "files".
-  std::string depth = "radar_ground";
-  /// Folder with <stem of the first image>.png, for flow "files": KITTI's 16-bit PNG, px of its own grid.
-  std::string flow_directory;
-  /// Folder with <stem of the image>.png, for depth "files": 16-bit PNG, m * 256, 0 = unknown.
-  std::string depth_directory;
-  /// "radar": mean over the interval; "radar_start": at its begin, as in the paper; "ground_truth".
-  std::string velocity = "radar";
-  std::string rotation = "ground_truth";  ///< "ground_truth" (as in the paper), "radar"
-  int working_width = 800;                ///< px, of the grid of flow, depth and mask; 0 = that of the images
-  std::vector<std::string> radar_channels;  ///< empty = every radar of the scene
-  /// Those of them that depth sees; empty = RADAR_FRONT for the backend "torch", whose networks are trained
-  /// with it, and all for the others.
-  std::vector<std::string> depth_radar_channels;
-  ExtractionParams extraction;
-  /// s, by which the bearings of returns are later than their velocities, as in EgoVelocityEvaluationOptions.
-  double bearing_delay = 0.0;
-  EgoVelocityParams estimator;
-  OpticalFlowParams optical_flow;
-  DepthParams depth_params;
-  MotionParams motion;
-  MotionUncertainty motion_uncertainty;  ///< for the score by uncertainty, and for `refine`
-  bool refine = false;                   ///< the motion by the image (refineMotion), and the ground by it
-  RefinementParams refinement;
-  /// MotionInput::depth_std is what the depth declares (see DepthEvaluationOptions::depth), not a constant.
-  /// For the score by uncertainty, and for `refine`.
-  bool depth_uncertainty = false;
-  /// The first image is also seen together with the one before it (MotionSegmenter::segment): the keyframe
-  /// before, or with pairs "next" the previous image. Needs a flow backend and the score by uncertainty.
-  bool look_back = false;
-  /// s, after which a belief is worth 1 / e: what the latest mask says of a pixel is carried to the next one
-  /// (carriedBelief), where the latest pair ends with the first image of the next. 0 = off. Needs a flow
-  /// backend and the score by uncertainty.
-  double memory = 0.0;
-  /// Movers whose residual of the true flow is smaller do not count (neither right nor wrong), px of the full
-  /// image; nor do road users that move too slowly for their annotation to say so. 0 = all count. Needs the
-  /// ground truth of a simulated dataroot.
+  EgoVelocityConfig ego_velocity;
+  OpticalFlowConfig optical_flow;
+  DepthConfig depth;
+  DynamicSegmentationConfig segmentation;
+
+  PairOptions pairs;
+  DepthInputOptions depth_input;
+  std::vector<std::string> radar_channels;
+  VelocitySource velocity = VelocitySource::kRadar;
+  RotationSource rotation = RotationSource::kGroundTruth;
   double min_true_residual = 0.0;
   /// The paper's loop from image to radar: returns that lie in the latest mask of the scene are known to move
   /// in the velocity estimates of the pairs after it. They are brought from their scan to the time of the
-  /// mask's image with the velocity estimated last. Not with velocity "ground_truth".
+  /// mask's image with the velocity estimated last.
   bool mask_to_velocity = false;
-  double max_mask_age = kMaxMaskAge;  ///< s, from the image of a mask to the scan
-  std::string mask_directory;         ///< <stem of the first image>.png of every mask; empty = not saved
+  std::string mask_directory;
+
+  /// Those that are in no section of a configuration file.
+  void describe(FieldList& fields);
 };
+/// @throws InvalidParameter, also for what does not go together
+void validate(const SegmentationEvaluationOptions& options);
 
 /// Results of one scene, or of several merged by operator+=. Counts are pixels of all pairs.
 struct SegmentationReport {
@@ -125,3 +101,24 @@ std::string formatCsv(const std::vector<SegmentationReport>& scenes, const Segme
 std::vector<SegmentationReport> mergeJson(const std::vector<std::string>& files);
 
 }  // namespace radar_dot::evaluation
+
+namespace radar_dot {
+
+template <>
+struct EnumNames<evaluation::VelocitySource> {
+  static constexpr const char* kWhat = "velocity";
+  static constexpr EnumName<evaluation::VelocitySource> kValues[] = {
+      {evaluation::VelocitySource::kRadar, "radar", "mean of the estimates over the pair"},
+      {evaluation::VelocitySource::kRadarStart, "radar_start", "the estimate at its begin, as in the paper"},
+      {evaluation::VelocitySource::kGroundTruth, "ground_truth"}};
+};
+
+template <>
+struct EnumNames<evaluation::RotationSource> {
+  static constexpr const char* kWhat = "rotation";
+  static constexpr EnumName<evaluation::RotationSource> kValues[] = {
+      {evaluation::RotationSource::kGroundTruth, "ground_truth", "as in the paper"},
+      {evaluation::RotationSource::kRadar, "radar"}};
+};
+
+}  // namespace radar_dot

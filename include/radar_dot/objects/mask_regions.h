@@ -13,13 +13,23 @@ namespace radar_dot {
 
 /// Parameters of regionsOfMask.
 struct MaskRegionParams {
-  std::size_t min_pixels = 50;       ///< smaller regions are left out
-  double pixel_std = 3.0;            ///< px, 1 sigma of where in the region the object's axis is, at least
-  double relative_depth_std = 0.15;  ///< 1 sigma of the depth, as a share of it
-  double flow_std = 1.0;             ///< px, 1 sigma of the median flow residual
+  std::size_t min_pixels = 50;
+  double pixel_std = 3.0;
+  double relative_depth_std = 0.15;
+  double flow_std = 1.0;
+
+  void describe(FieldList& fields) {
+    fields.add("min_pixels", min_pixels, "Regions of the mask with fewer pixels are ignored",
+               "px of the grid", {1, 1e9});
+    fields.add("pixel_std", pixel_std,
+               "Lower limit of the 1 sigma of the object's axis within its region of the mask", "px",
+               {0.01, 1000.0});
+    fields.add("relative_depth_std", relative_depth_std, "1 sigma of the depth of a region, relative", "",
+               {0.001, 10.0});
+    fields.add("region_flow_std", flow_std, "1 sigma of the median flow residual of a region", "px",
+               {0.001, 1000.0});
+  }
 };
-/// @throws std::invalid_argument naming the invalid parameter.
-void validate(const MaskRegionParams& params);
 
 /// The connected regions (8 neighbours) of a mask of moving pixels, as input of detectObjects.
 ///

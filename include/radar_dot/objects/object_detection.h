@@ -57,23 +57,31 @@ struct ObjectDetection {
 
 /// Parameters of detectObjects.
 struct DetectionParams {
-  double max_distance = 4.0;             ///< m, between neighbouring returns of one object
-  double max_velocity_difference = 1.0;  ///< m/s, between their velocities along the lines of sight
-  /// m, 1 sigma of where on an object its returns gather. More returns do not average it out.
-  double extent_std = 0.5;
-  /// m/s, 1 sigma of what the returns of one radar on one object share: rounding, moving parts, the ego
-  /// velocity.
-  double shared_velocity_std = 0.12;
-  double unobserved_std = 100.0;  ///< m/s, 1 sigma of velocities that nothing tells of
-  /// m/s: static returns at least this fast are detections of their own that may carry on a track.
-  /// Infinite = none.
+  double max_distance = 4.0;
+  double max_velocity_difference = 1.0;
+  double extent_std = 0.5;            // more returns do not average it out
+  double shared_velocity_std = 0.12;  // rounding, moving parts, the ego velocity
+  double unobserved_std = 100.0;      ///< m/s, 1 sigma of velocities that nothing measures
   double weak_threshold = 0.5;
-  /// Region and returns are one object where the returns lie within this many sigma of the position of the
-  /// region.
   double region_gate = 3.0;
+
+  void describe(FieldList& fields) {
+    fields.group("Detection");
+    fields.add("max_distance", max_distance, "Largest distance between neighbouring returns of one object",
+               "m", {0.01, 100.0});
+    fields.add("max_velocity_difference", max_velocity_difference,
+               "Largest difference between their velocities along the lines of sight", "m/s", {0.01, 100.0});
+    fields.add("extent_std", extent_std, "1 sigma of where on an object its returns lie", "m", {0.0, 100.0});
+    fields.add("shared_velocity_std", shared_velocity_std,
+               "1 sigma of the velocity error shared by the returns of one radar on one object", "m/s",
+               {0.0, 100.0});
+    fields.add("weak_threshold", weak_threshold,
+               "Static returns at least this fast may continue a track; inf: none", "m/s", {0.0});
+    fields.add("region_gate", region_gate,
+               "Region of the mask and returns are one object within this Mahalanobis distance", "sigma",
+               {0.1, 100.0});
+  }
 };
-/// @throws std::invalid_argument naming the invalid parameter.
-void validate(const DetectionParams& params);
 
 /// Groups dynamic returns, and the regions of a mask of the same time, into objects. Returns are neighbours
 /// when they are close in space and velocity; an object is what is connected by neighbours. The velocity

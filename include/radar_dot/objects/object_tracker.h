@@ -15,36 +15,66 @@ namespace radar_dot {
 
 /// Parameters of ObjectTracker.
 struct ObjectTrackerParams {
-  /// m/s^2, 1 sigma of the change of the velocity in one second (the spectral density of the white
-  /// acceleration is its square times 1 s).
-  double acceleration_std = 2.0;
-  double initial_speed_std = 4.0;  ///< m/s, 1 sigma of a velocity of which nothing is known
-  double gate = 3.7;               ///< sigma, largest Mahalanobis distance from a track to its detection
+  double acceleration_std = 2.0;  // the spectral density of the white acceleration is its square times 1 s
+  double initial_speed_std = 4.0;
+  double gate = 3.7;
 
-  /// A track is confirmed by `confirm_hits` detections before the `confirm_scans`-th scan, its first one
-  /// included, of the radar that started it; else it is given up. Detections of other radars count too.
   int confirm_hits = 3;
   int confirm_scans = 5;
-  /// s, a track lives without any detection as long as it has been followed before, within these.
   double min_coast = 0.25;
   double max_coast = 0.8;
-  double max_weak_time = 1.0;  ///< s, a track lives on detections that do not move independently
+  double max_weak_time = 1.0;
 
-  /// Large bodies give several detections, and large bodies are fast. One body reaches from a track, along
-  /// its heading, as far as it moves in body_time, within the two lengths, and across as far as its width
-  /// allows (an ellipse); and its velocities, as far as they are known, differ by less than body_velocity and
-  /// their own 3 sigma. A detection without a partner that belongs to the body of a confirmed track starts no
-  /// track; of two confirmed tracks of one body the younger ends.
-  double min_body_length = 2.0;  ///< m
-  double max_body_length = 7.0;  ///< m
-  double max_body_width = 2.5;   ///< m
-  double body_time = 2.0;        ///< s
-  double body_velocity = 2.0;    ///< m/s
+  // Large bodies give several detections, and large bodies are fast. One body reaches from a track, along
+  // its heading, as far as it moves in body_time, within the two lengths, and sideways as far as its width
+  // allows (an ellipse); and its velocities, as far as they are known, differ by less than body_velocity and
+  // their own 3 sigma. A detection without a partner that belongs to the body of a confirmed track starts no
+  // track; of two confirmed tracks of one body the younger ends.
+  double min_body_length = 2.0;
+  double max_body_length = 7.0;
+  double max_body_width = 2.5;
+  double body_time = 2.0;
+  double body_velocity = 2.0;
 
-  double max_lag = 0.2;    ///< s, by which a scan may be older than the newest
-  double min_speed = 0.5;  ///< m/s; slower tracks are not reported as moving
+  double max_lag = 0.2;
+  double min_speed = 0.5;
+
+  void describe(FieldList& fields) {
+    const Range length{0.01, 100.0};
+    fields.group("Tracker");
+    fields.add("acceleration_std", acceleration_std,
+               "1 sigma of the change of an object's velocity in one second", "m/s^2", {0.001, 100.0});
+    fields.add("initial_speed_std", initial_speed_std, "1 sigma of an unmeasured velocity of a new track",
+               "m/s", {0.01, 100.0});
+    fields.add("gate", gate, "Largest Mahalanobis distance between a track and its detection", "sigma",
+               {0.1, 100.0});
+    fields.add("confirm_hits", confirm_hits,
+               "Detections that confirm a track, its first one included; those of other radars count too", "",
+               {1, 1000});
+    fields.add("confirm_scans", confirm_scans,
+               "Scans of the radar that started a track, before which they must come", "", {1, 1000});
+    fields.add(
+        "min_coast", min_coast,
+        "Shortest life of a track without a detection; it lives as long as it has been followed before", "s",
+        {0.01, 60.0});
+    fields.add("max_coast", max_coast, "Longest life of a track without a detection", "s", {0.01, 60.0});
+    fields.add("max_weak_time", max_weak_time,
+               "Longest life of a track on detections that do not move independently", "s", {0.01, 100.0});
+    fields.add("min_body_length", min_body_length, "Lower limit of the reach of one body along its heading",
+               "m", length);
+    fields.add("max_body_length", max_body_length, "Upper limit of the reach of one body along its heading",
+               "m", length);
+    fields.add("max_body_width", max_body_width, "Reach of one body perpendicular to its heading", "m",
+               length);
+    fields.add("body_time", body_time, "Time in which a body moves by its reach", "s", {0.0, 100.0});
+    fields.add("body_velocity", body_velocity, "Largest difference between velocities on one body", "m/s",
+               {0.0, 100.0});
+    fields.add("max_lag", max_lag, "Largest age of a scan or mask relative to the newest scan", "s",
+               {0.0, 10.0});
+    fields.add("min_speed", min_speed, "Slower tracks are not reported as moving", "m/s", {0.0, 100.0});
+  }
 };
-/// @throws std::invalid_argument naming the invalid parameter.
+/// @throws InvalidParameter, also for limits in the wrong order
 void validate(const ObjectTrackerParams& params);
 
 /// An object followed over time, in a world-fixed frame (odom). Covariance of [position, velocity].

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/common/fields.h"
 #include "radar_dot/radar/point_cloud.h"
 
 namespace radar_dot {
@@ -34,32 +35,60 @@ inline Eigen::Vector3f positionOf(const DopplerReturn& seen, const Eigen::Isomet
 /// Which returns take part. A list that is empty accepts every value; a field that the cloud does
 /// not have switches its filter off.
 struct ReturnFilter {
-  double min_range = 0.5;    ///< m
-  double max_range = 250.0;  ///< m
-  /// Half-open field of view in the sensor frame, rad.
+  double min_range = 0.5;
+  double max_range = 250.0;
   double min_azimuth = -std::numeric_limits<double>::infinity();
   double max_azimuth = std::numeric_limits<double>::infinity();
-  double min_rcs = -std::numeric_limits<double>::infinity();  ///< dBsm
-  double max_rcs = std::numeric_limits<double>::infinity();   ///< dBsm
-  /// nuScenes cluster validity; 0 = valid. The other states are mostly ghosts and noise.
+  double min_rcs = -std::numeric_limits<double>::infinity();
+  double max_rcs = std::numeric_limits<double>::infinity();
   std::vector<int> invalid_states = {0};
-  /// nuScenes Doppler ambiguity; 3 = unambiguous.
   std::vector<int> ambig_states = {3};
-  /// nuScenes false-alarm probability class; 1 = below 25 %.
   std::vector<int> pdh0_states = {1};
+
+  void describe(FieldList& fields) {
+    fields.add("min_range", min_range, "Nearest return that is used", "m", {0.0, 1000.0});
+    fields.add("max_range", max_range, "Farthest return that is used", "m", {0.0, 10000.0});
+    fields.add("min_azimuth", min_azimuth, "Begin of the field of view in the sensor frame", "rad");
+    fields.add("max_azimuth", max_azimuth, "End of the field of view in the sensor frame, which is not part of it",
+               "rad");
+    fields.add("min_rcs", min_rcs, "Weakest return that is used, where the cloud has a field rcs", "dBsm");
+    fields.add("max_rcs", max_rcs, "Strongest return that is used, where the cloud has a field rcs", "dBsm");
+    describeStates(fields);
+  }
+  void describeStates(FieldList& fields) {
+    const Range byte{0, 255};
+    fields.add("invalid_states", invalid_states,
+               "Accepted values of the field invalid_state of Continental radars, as in 0, 4; empty: all. 0: "
+               "valid; the others are mostly ghosts and noise",
+               "", byte);
+    fields.add("ambig_states", ambig_states,
+               "Accepted values of the field ambig_state; empty: all. 3: unambiguous Doppler", "", byte);
+    fields.add("pdh0_states", pdh0_states,
+               "Accepted values of the field pdh0; empty: all. 1: false-alarm probability below 25 %", "", byte);
+  }
 };
 
 /// How to find range, bearing and Doppler in a cloud.
 struct ExtractionParams {
-  /// Field with the range rate (m/s). Empty: the first of "doppler", "doppler_velocity",
-  /// "radial_velocity", "range_rate", "velocity" that exists, else the projection of (vx, vy).
   std::string doppler_field;
-  /// -1 for drivers that report approaching targets as positive, and a correction of scale where
-  /// the sensor reads low: returns from above or below the antenna plane are foreshortened by the
-  /// cosine of their elevation, which a planar radar cannot see.
+  // Sensors may read low: returns from above or below the antenna plane are foreshortened by the cosine of
+  // their elevation, which a planar radar cannot see.
   double doppler_scale = 1.0;
   ReturnFilter filter;
+
+  void describe(FieldList& fields) {
+    fields.add("doppler_field", doppler_field,
+               "Field of the cloud with the range rate, m/s; empty: the first of doppler, doppler_velocity, "
+               "radial_velocity, range_rate, velocity that exists, else the projection of (vx, vy)");
+    fields.add("doppler_scale", doppler_scale,
+               "Factor on the range rate of every radar without a doppler_scale of its own; -1 where the driver "
+               "counts approaching targets as positive",
+               "", {-10.0, 10.0});
+    filter.describe(fields);
+  }
 };
+/// @throws InvalidParameter, also for limits in the wrong order and a scale of zero
+void validate(const ExtractionParams& params);
 
 /// Why returns were left out, counted per scan; `accepted` and all others add up to `total`.
 struct ExtractionCounts {

@@ -9,9 +9,10 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "radar_dot/common/fields.h"
+#include "radar_dot/common/radar_noise.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/motion_model.h"
 
@@ -19,61 +20,115 @@ namespace radar_dot {
 
 /// How the Doppler constraints are solved.
 enum class Solver : std::uint8_t {
-  kLeastSquares,  ///< every return weighs the same (the paper's LSQ)
-  kRansac,        ///< consensus, then least squares on its inliers (the paper's LSQ+RANSAC)
-  kRansacRobust,  ///< consensus, then iteratively reweighted least squares (Cauchy weights)
+  kLeastSquares,
+  kRansac,
+  kRansacRobust,
 };
-std::string_view toString(Solver solver) noexcept;
-/// "least_squares", "ransac", "ransac_robust". @throws std::invalid_argument listing them.
-Solver solverFromString(std::string_view name);
+template <>
+struct EnumNames<Solver> {
+  static constexpr const char* kWhat = "solver";
+  static constexpr EnumName<Solver> kValues[] = {
+      {Solver::kLeastSquares, "least_squares", "every return weighs the same (LSQ of the paper)"},
+      {Solver::kRansac, "ransac", "consensus, then least squares on its inliers (LSQ+RANSAC of the paper)"},
+      {Solver::kRansacRobust, "ransac_robust", "consensus, then reweighted least squares (Cauchy weights)"}};
+};
 
 /// How residuals become static/dynamic labels.
 struct SegmentationParams {
-  /// The paper's threshold tau on |d + u.v|: in [m/s]. It cuts between the two passes of the
-  /// estimate, and it is the final label where `neighbourhood` is off.
   double threshold = 0.8;
-  /// Final labels with support from the neighbourhood: a residual above `isolated_threshold` is
-  /// dynamic on its own; one above `supported_threshold` only when another return nearby moves
-  /// with it. Single returns are mostly clutter; bodies give several.
+  // Single returns are mostly clutter; bodies give several.
   bool neighbourhood = true;
-  double isolated_threshold = 1.2;   ///< m/s
-  double supported_threshold = 0.6;  ///< m/s
-  double neighbour_distance = 2.0;   ///< m
-  double neighbour_velocity = 1.0;   ///< m/s, largest difference of the two signed residuals
+  double isolated_threshold = 1.2;
+  double supported_threshold = 0.6;
+  double neighbour_distance = 2.0;
+  double neighbour_velocity = 1.0;
+
+  void describe(FieldList& fields) {
+    fields.add("threshold", threshold,
+               "Residual |d + u.v| between static and dynamic returns, tau of the paper: between the two passes, "
+               "for the filter, and as the final label without neighbourhood",
+               "m/s", {0.001, 100.0});
+    fields.add("neighbourhood", neighbourhood,
+               "Final labels take support from neighbouring returns; otherwise threshold alone decides");
+    fields.add("isolated_threshold", isolated_threshold, "Residual that makes a lone return dynamic", "m/s",
+               {0.001, 100.0});
+    fields.add("supported_threshold", supported_threshold,
+               "Residual that makes a return dynamic when a neighbour moves with it", "m/s", {0.001, 100.0});
+    describeNeighbours(fields);
+  }
+  void describeNeighbours(FieldList& fields) {
+    fields.add("neighbour_distance", neighbour_distance, "Largest distance between neighbouring returns", "m",
+               {0.0, 50.0});
+    fields.add("neighbour_velocity", neighbour_velocity,
+               "Largest difference between the signed residuals of neighbours", "m/s", {0.0, 50.0});
+  }
+};
+
+/// Parameters of sensorVelocities; noise and threshold are those of EgoVelocityParams.
+struct SensorVelocityParams {
+  double sensor_scan_std = 0.02;
+  int min_sensor_returns = 3;
+
+  void describe(FieldList& fields) {
+    fields.add("sensor_scan_std", sensor_scan_std,
+               "1 sigma of the error shared by all returns of a scan beside that of the mount, which the filter "
+               "learns: for the velocity of each radar alone",
+               "m/s", {0.0, 100.0});
+    fields.add("min_sensor_returns", min_sensor_returns,
+               "Static returns below which a scan is not used by the filter", "", {1, 1000});
+  }
 };
 
 /// Parameters of EgoVelocityEstimator.
 struct EgoVelocityParams {
   MotionModel model = MotionModel::kPlanarYaw;
   Solver solver = Solver::kRansacRobust;
-  /// The paper's two passes: estimate, drop returns beyond the threshold, estimate again (A1, A2);
-  /// without it the first estimate stands (B1, B2).
   bool two_pass = true;
-
-  std::uint64_t seed = 1;         ///< same seed and same input: same bits out
-  int ransac_iterations = 100;    ///< hypotheses
-  double inlier_threshold = 0.3;  ///< m/s; a return is a RANSAC inlier below it
-  int robust_iterations = 10;     ///< largest number of reweighted solutions
-  double doppler_std = 0.12;      ///< m/s, 1 sigma of one Doppler measurement: weights, covariance
-  double azimuth_std = 0.0175;    ///< rad, 1 sigma of a bearing: its effect grows with the transverse speed
-
-  /// m/s, 1 sigma of what all returns of one scan share: quantisation, timing, scale, mount. More
-  /// returns do not average it out, so it bounds the covariance from below; 0 = independent returns.
-  double scan_std = 0.06;
-
-  int min_returns = 6;             ///< fewer accepted returns: refused
-  double min_inlier_share = 0.25;  ///< of the accepted returns; less consensus: refused
-  /// Directions of the parameter space that the bearings constrain this much worse than the best
-  /// one count as unobserved.
+  std::uint64_t seed = 1;
+  int ransac_iterations = 100;
+  double inlier_threshold = 0.3;
+  int robust_iterations = 10;
+  RadarNoise noise;
+  double scan_std = 0.06;  // more returns do not average it out: it bounds the covariance from below
+  int min_returns = 6;
+  double min_inlier_fraction = 0.25;
   double max_condition_number = 100.0;
-  double sideslip_std = 0.1;         ///< m/s, 1 sigma of the vy that the ackermann model takes as zero
-  double unobserved_variance = 1e6;  ///< (m/s)^2 or (rad/s)^2, for what the returns do not tell
-
+  double sideslip_std = 0.1;
+  double unobserved_variance = 1e6;
   SegmentationParams segmentation;
-};
+  SensorVelocityParams sensor;
 
-/// @throws std::invalid_argument naming the invalid parameter.
-void validate(const EgoVelocityParams& params);
+  void describe(FieldList& fields) {
+    fields.group("Estimator");
+    fields.add("model", model, "Components of the motion of the base frame that are estimated");
+    fields.add("solver", solver, "How the Doppler constraints are solved");
+    fields.add("two_pass", two_pass,
+               "Estimate, drop the returns beyond threshold, estimate again (A1, A2 of the paper); otherwise the "
+               "first estimate stands (B1, B2)");
+    fields.add("seed", seed, "Seed of the random sampling: same seed and input, same result");
+    fields.add("ransac_iterations", ransac_iterations, "Hypotheses of the random sampling", "", {1, 1000000});
+    fields.add("inlier_threshold", inlier_threshold, "Residual below which a return supports a hypothesis",
+               "m/s", {0.001, 100.0});
+    fields.add("robust_iterations", robust_iterations, "Largest number of reweighted solutions", "", {1, 100});
+    noise.describe(fields);
+    fields.add("scan_std", scan_std,
+               "1 sigma of the error shared by all returns of one scan (quantisation, timing, scale, mount); 0: "
+               "independent returns",
+               "m/s", {0.0, 100.0});
+    fields.add("min_returns", min_returns, "Accepted returns of a sweep below which there is no estimate", "",
+               {3, 1000});
+    fields.add("min_inlier_fraction", min_inlier_fraction,
+               "Fraction of inliers among the accepted returns below which there is no estimate", "", {0.0, 1.0});
+    fields.add("max_condition_number", max_condition_number,
+               "Directions with a larger condition number are reported as unobserved", "", {1.001, 1e9});
+    fields.add("sideslip_std", sideslip_std, "1 sigma of the vy that the ackermann model takes as zero", "m/s",
+               {0.001, 100.0});
+    fields.add("unobserved_variance", unobserved_variance, "Variance of what the returns do not determine",
+               "(m/s)^2 or (rad/s)^2", {1e-3, 1e12});
+    fields.group("Segmentation");
+    segmentation.describe(fields);
+  }
+};
 
 /// One scan of one radar, ready for the estimator. The returns stay with the caller.
 struct RadarScan {
@@ -97,7 +152,15 @@ enum class EstimateStatus : std::uint8_t {
   kDegenerateBearings,  ///< not even the direction of travel is constrained
   kNoConsensus,         ///< no velocity explains enough of the returns
 };
-std::string_view toString(EstimateStatus status) noexcept;
+template <>
+struct EnumNames<EstimateStatus> {
+  static constexpr const char* kWhat = "status";
+  static constexpr EnumName<EstimateStatus> kValues[] = {
+      {EstimateStatus::kOk, "ok"},
+      {EstimateStatus::kTooFewReturns, "too few returns"},
+      {EstimateStatus::kDegenerateBearings, "degenerate bearings"},
+      {EstimateStatus::kNoConsensus, "no consensus"}};
+};
 
 /// Label of one return.
 enum class ReturnLabel : std::uint8_t { kStatic = 0, kDynamic = 1 };

@@ -3,22 +3,26 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
+
+#include "radar_dot/common/enum_names.h"
 
 namespace radar_dot {
 
 /// Which components of the base frame's motion are estimated; the others are taken as zero.
 enum class MotionModel : std::uint8_t {
-  kPlanar,     ///< vx, vy: the paper's model
-  kPlanarYaw,  ///< vx, vy, yaw rate
-  kAckermann,  ///< vx, yaw rate; base frame at the rear axle, where vy = 0 without slip
-  kSpatial,    ///< vx, vy, vz: for radars that measure elevation
+  kPlanar,
+  kPlanarYaw,
+  kAckermann,  // vy = 0 at the rear axle without slip
+  kSpatial,
 };
-
-/// "planar", "planar_yaw", "ackermann", "spatial".
-std::string_view toString(MotionModel model) noexcept;
-
-/// Inverse of toString. @throws std::invalid_argument listing the names.
-MotionModel motionModelFromString(std::string_view name);
+template <>
+struct EnumNames<MotionModel> {
+  static constexpr const char* kWhat = "motion model";
+  static constexpr EnumName<MotionModel> kValues[] = {
+      {MotionModel::kPlanar, "planar", "vx, vy: the model of the paper"},
+      {MotionModel::kPlanarYaw, "planar_yaw", "vx, vy and the yaw rate"},
+      {MotionModel::kAckermann, "ackermann", "vx and the yaw rate; the base frame is at the rear axle"},
+      {MotionModel::kSpatial, "spatial", "vx, vy, vz: for radars that measure elevation"}};
+};
 
 }  // namespace radar_dot

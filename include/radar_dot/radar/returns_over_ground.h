@@ -28,9 +28,8 @@ struct ReturnOverGround {
 
 /// Parameters of returnsOverGround: noise of one return, 1 sigma, and the labels.
 struct OverGroundParams {
-  double range_std = 0.25;      ///< m
-  double azimuth_std = 0.0175;  ///< rad
-  double doppler_std = 0.12;    ///< m/s
+  double range_std = 0.25;
+  RadarNoise noise;
   /// More sensitive than what the ego velocity needs: a tracker sorts out what does not move on.
   SegmentationParams segmentation = [] {
     SegmentationParams sensitive;
@@ -38,6 +37,19 @@ struct OverGroundParams {
     sensitive.supported_threshold = 0.5;
     return sensitive;
   }();
+
+  void describe(FieldList& fields) {
+    fields.group("Returns");
+    fields.add("range_std", range_std, "1 sigma of the range of a return", "m", {0.0, 10.0});
+    noise.describe(fields);
+    fields.add("isolated_speed", segmentation.isolated_threshold,
+               "Speed over ground that makes a lone return dynamic; those on radar/dynamic are dynamic anyway",
+               "m/s", {0.001, 100.0});
+    fields.add("supported_speed", segmentation.supported_threshold,
+               "Speed over ground that makes a return dynamic when a neighbour moves with it", "m/s",
+               {0.001, 100.0});
+    segmentation.describeNeighbours(fields);
+  }
 };
 
 /// The returns of one scan over ground. With the velocity v and the turn rate w of the base frame, the mount

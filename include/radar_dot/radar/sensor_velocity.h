@@ -20,20 +20,12 @@ struct SensorVelocity {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< (m/s)^2; large where the bearings do not tell
 };
 
-/// Parameters of sensorVelocities.
-struct SensorVelocityParams {
-  double max_residual = 0.8;    ///< m/s; returns farther from the estimate of the sweep are dynamic
-  double doppler_std = 0.12;    ///< m/s, 1 sigma of one Doppler measurement
-  double azimuth_std = 0.0175;  ///< rad, 1 sigma of one bearing
-  double scan_std = 0.02;       ///< m/s, 1 sigma of what all returns of a scan share
-  int min_returns = 3;          ///< fewer static returns: the scan is left out
-};
-
 /// Velocity of every radar whose scan has enough static returns, by reweighted least squares with Cauchy
 /// weights.
-/// @param result  a valid estimate from the same scans: where the static returns lie, and where to start
+/// @param result  a valid estimate from the same scans: where the static returns lie, and where to start.
+///                Returns whose residual is not below the threshold of `params` are dynamic.
 std::vector<SensorVelocity> sensorVelocities(const std::vector<RadarScan>& scans,
                                              const EgoVelocityResult& result,
-                                             const SensorVelocityParams& params = {});
+                                             const EgoVelocityParams& params = {});
 
 }  // namespace radar_dot

@@ -7,13 +7,26 @@
 #include <optional>
 #include <vector>
 
+#include "radar_dot/common/fields.h"
+
 namespace radar_dot {
 
 /// Parameters of SweepAssembler.
 struct SweepParams {
-  double window = 0.1;        ///< s, age of the oldest scan of a sweep relative to its newest
-  double silent_after = 0.5;  ///< s without a scan, after which a radar is not waited for
-  double reset_after = 1.0;   ///< s, a step back in a radar's stamps that resets everything
+  double window = 0.1;
+  double silent_after = 0.5;
+  double reset_after = 1.0;  ///< s, a step back in a radar's stamps that resets everything
+
+  void describe(FieldList& fields) {
+    fields.add("window", window, "Age of the oldest scan of a sweep relative to its newest", "s",
+               {0.001, 10.0});
+    describeSilentAfter(silent_after, fields);
+  }
+  static void describeSilentAfter(double& silent_after, FieldList& fields) {
+    fields.add("silent_after", silent_after,
+               "Time without a message after which a sensor or topic counts as silent and is not waited for",
+               "s", {0.001, 3600.0});
+  }
 };
 
 /// One scan waiting for its sweep.

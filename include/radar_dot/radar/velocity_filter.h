@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "radar_dot/radar/sensor_velocity.h"
@@ -14,35 +13,51 @@ namespace radar_dot {
 
 /// Parameters of VelocityFilter.
 struct VelocityFilterParams {
-  /// How fast accelerations change, m/s^3: 1 sigma of the change of the acceleration in one second (the
-  /// spectral density of the white jerk is its square times 1 s).
+  // The spectral density of the white jerk is the square of these times 1 s.
   double longitudinal_jerk = 1.5;
-  double lateral_jerk = 0.3;  ///< m/s^3, the same of the sideslip velocity vy
-
-  /// The yaw acceleration is a Gauss-Markov process. What bounds it is the rate at which the driver steers at
-  /// low speeds and the lateral jerk at high ones: its sigma is min(curvature_rate |vx|, yaw_jerk / |vx|).
-  double curvature_rate = 0.1;         ///< 1/(m s), change of the curvature of the path per second
-  double yaw_jerk = 0.4;               ///< m/s^3, rate of change of the centripetal acceleration
-  double yaw_acceleration_time = 0.5;  ///< s, correlation time
-
-  /// rad, 1 sigma of the slip angle of the base frame's origin (the rear axle): vy is 0 within this share of
-  /// |vx| plus 0.02 m/s. 0 = nothing is assumed of vy.
-  double lateral_slip_std = 0.0;
-  double lateral_slip_time = 2.0;  ///< s, correlation time of the slip
-
-  /// rad, 1 sigma of the yaw of each radar's mount, which the filter learns. 0 = mounts are exact.
+  double lateral_jerk = 0.3;
+  // The yaw acceleration is a Gauss-Markov process. What bounds it is the rate at which the driver steers at
+  // low speeds and the lateral jerk at high ones: its sigma is min(curvature_rate |vx|, yaw_jerk / |vx|).
+  double curvature_rate = 0.1;
+  double yaw_jerk = 0.4;
+  double yaw_acceleration_time = 0.5;
+  double lateral_slip_std = 0.0;  // vy is 0 within this fraction of |vx| plus 0.02 m/s
+  double lateral_slip_time = 2.0;
   double mount_yaw_std = 0.005;
+  double error_correlation_time = 0.15;  // measurements closer in time count accordingly less
+  int max_rejected = 5;
+  double max_gap = 1.0;
 
-  /// s, for which the errors of successive measurements are alike: the same objects are seen again.
-  /// Measurements that are closer in time count accordingly less.
-  double error_correlation_time = 0.15;
-
-  int max_rejected = 5;  ///< updates in a row that contradict the filter; then it resets
-  double max_gap = 1.0;  ///< s without an update, after which it resets
+  void describe(FieldList& fields) {
+    const Range positive{1e-4, 1000.0};
+    fields.add("longitudinal_jerk", longitudinal_jerk,
+               "1 sigma of the change of the longitudinal acceleration in one second", "m/s^3", positive);
+    fields.add("lateral_jerk", lateral_jerk, "The same of the sideslip velocity vy", "m/s^3", positive);
+    fields.add("curvature_rate", curvature_rate,
+               "Change of the curvature of the path per second: bounds the yaw acceleration at low speed",
+               "1/(m s)", positive);
+    fields.add("yaw_jerk", yaw_jerk,
+               "Change of the centripetal acceleration per second: bounds the yaw acceleration at high speed",
+               "m/s^3", positive);
+    fields.add("yaw_acceleration_time", yaw_acceleration_time, "Correlation time of the yaw acceleration", "s",
+               {0.01, 100.0});
+    fields.add("lateral_slip_std", lateral_slip_std,
+               "1 sigma of the slip angle of base_frame, which must be at the rear axle; 0: vy is not assumed to "
+               "be small",
+               "rad", {0.0, 1.0});
+    fields.add("lateral_slip_time", lateral_slip_time, "Correlation time of the slip", "s", {0.01, 100.0});
+    fields.add("mount_yaw_std", mount_yaw_std,
+               "1 sigma of the yaw error of each mount, which the filter learns; 0: mounts are exact", "rad",
+               {0.0, 1.0});
+    fields.add("error_correlation_time", error_correlation_time,
+               "Correlation time of measurement errors (successive sweeps see the same objects)", "s",
+               {0.0, 10.0});
+    fields.add("max_rejected", max_rejected, "Updates in a row outside the gate, after which the filter resets",
+               "", {1, 100});
+    fields.add("max_filter_gap", max_gap, "Time without an update, after which the filter resets", "s",
+               {0.01, 60.0});
+  }
 };
-
-/// @throws std::invalid_argument naming the invalid parameter.
-void validate(const VelocityFilterParams& params);
 
 /// Causal Kalman filter over the velocity estimates of a vehicle's radars.
 ///
@@ -135,7 +150,15 @@ class VelocityFilter {
   Eigen::MatrixXd covariance_;
   std::vector<double> last_scan_;  ///< s, by radar: of its latest used measurement
 };
-std::string_view toString(VelocityFilter::Outcome outcome) noexcept;
+template <>
+struct EnumNames<VelocityFilter::Outcome> {
+  static constexpr const char* kWhat = "outcome";
+  static constexpr EnumName<VelocityFilter::Outcome> kValues[] = {
+      {VelocityFilter::Outcome::kStarted, "started"},
+      {VelocityFilter::Outcome::kUpdated, "updated"},
+      {VelocityFilter::Outcome::kRejected, "rejected"},
+      {VelocityFilter::Outcome::kStale, "stale"}};
+};
 
 /// Velocity, covariance and observed axes of a filtered estimate: vx, vy and the yaw rate of `state`, the
 /// other axes and the figures of the latest single estimate. Without residuals and labels, which belong to

@@ -10,8 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/common/fields.h"
+#include "radar_dot/common/radar_noise.h"
 #include "radar_dot/vision/camera_intrinsics.h"
+#include "radar_dot/vision/ground_params.h"
 #include "radar_dot/vision/network_params.h"
+#include "radar_dot/vision/shared_fields.h"
 
 namespace radar_dot {
 
@@ -27,51 +31,76 @@ struct DepthInput {
 /// The parts of DepthInput that an estimator looks at, besides the camera.
 struct DepthNeeds {
   bool image = false, radar = false, lidar = false;
+  bool trained_radars_only = false;  ///< of the radars those that a network was trained with
 };
 
-/// How well the ground plane is known, 1 sigma.
-struct GroundUncertainty {
-  double pitch_std = 0.02;    ///< rad, of the ground before the vehicle
-  double height_std = 0.05;   ///< m
-  double relative_std = 0.1;  ///< share of the inverse depth, of what is not flat
-};
+/// The backend that draws the ground plane.
+inline constexpr const char* kRadarGroundBackend = "radar_ground";
 
 /// Parameters of makeDepthEstimator; a backend ignores what it does not know.
 struct DepthParams {
-  std::string backend = "radar_ground";  ///< "radar_ground"; "lidar"; "torch", a network; or a registered one
-  double max_depth = 120.0;              ///< m; farther is unknown
-  /// 1 sigma of the inverse depth, share of it, of a backend that knows nothing better: "torch", and external
-  /// somebody else.
+  std::string backend = kRadarGroundBackend;
+  double max_depth = 120.0;
   double relative_std = 0.1;
-
   // radar_ground
-  double ground_pitch = 0.0;   ///< rad, of the ground against the base frame's x-y plane; nose down positive
-  double ground_height = 0.0;  ///< m, of the ground in the base frame
-  double column_height = 1.6;  ///< m, of the upright column a radar return stands for
-  double column_half_width = 0.9;  ///< m, at least as wide as azimuth_std makes it
-  double azimuth_std = 0.0175;     ///< rad, 1 sigma of a radar bearing
-  /// Moves the borders of columns to edges of the image: heights between 0.6 and 2 times, widths between 0.4
-  /// and 1.6 times the expected one. Without an image there is nothing to move to.
+  GroundParams ground;
+  double column_height = 1.6;
+  double column_half_width = 0.9;
+  double azimuth_std = RadarNoise{}.azimuth_std;
+  // Heights between 0.6 and 2 times, widths between 0.4 and 1.6 times the expected one. Without an image
+  // there is nothing to move to.
   bool image_edges = false;
-  /// m, of what is above the horizon and in no column where radar says nothing, and what radar columns in
-  /// about the same direction pull nearer; it hides the ground behind it. 0 leaves it unknown.
-  double background_depth = 40.0;
-  double background_angle = 0.1;                              ///< rad, 1 sigma of "about the same direction"
-  double ground_pitch_std = GroundUncertainty{}.pitch_std;    ///< rad, as groundRelativeStd
-  double ground_height_std = GroundUncertainty{}.height_std;  ///< m
-  double ground_relative_std = GroundUncertainty{}.relative_std;  ///< share of the inverse depth
-  double column_std = 0.35;     ///< 1 sigma of the inverse depth in a column, share of it
-  double background_std = 0.5;  ///< the same of the background
-
-  // lidar
-  /// px at 1600 px image width: largest gap between points that is filled. Beams of a 32-beam lidar are
-  /// 30 px apart.
+  double background_depth =
+      40.0;  // of what is above the horizon and in no column; hides the ground behind it
+  double background_angle = 0.1;
+  double column_std = 0.35;
+  double background_std = 0.5;
+  // lidar: sigma^2 = lidar_std^2 + (completion_std px)^2. Beams of a 32-beam lidar are 30 px apart.
   int completion_kernel = 40;
-  double lidar_std = 0.005;  ///< 1 sigma of the inverse depth where a point is, share of it
-  /// Share per px at 1600 px image width to the nearest point: sigma^2 = lidar_std^2 + (this px)^2.
+  double lidar_std = 0.005;
   double completion_std = 0.0012;
-
   NetworkParams network;  ///< torch: with JustDepth's signature, see just_depth.h
+
+  void describe(FieldList& fields) {
+    fields.group("Depth");
+    fields.add(
+        "depth_backend", backend,
+        "radar_ground: ground plane and radar returns; lidar: completed lidar sweep; torch: a network; or a "
+        "registered one. Depth also takes topic: an external depth on depth/input. Evaluators also take "
+        "ground_truth, noisy (ground truth with the errors of a network) and files");
+    describeMaxDepth(max_depth, fields);
+    fields.add(
+        "relative_std", relative_std,
+        "1 sigma of the inverse depth, relative, of sources that do not know it better (torch, topic, files)",
+        "", {1e-6, 10.0});
+    fields.group("RadarGround");
+    ground.describe(fields);
+    fields.add("column_height", column_height, "Height of the upright column that a return stands for", "m",
+               {0.1, 100.0});
+    fields.add("column_half_width", column_half_width, "Lower limit of the half width of the column", "m",
+               {0.01, 100.0});
+    describeAzimuthStd(azimuth_std, fields);
+    fields.add("image_edges", image_edges, "Move the borders of columns to edges of the image");
+    fields.add("background_depth", background_depth,
+               "Depth above the horizon where the radar sees nothing; 0: unknown", "m", {0.0, 10000.0});
+    fields.add("background_angle", background_angle,
+               "1 sigma of the angle over which columns pull the background nearer", "rad", {0.001, 3.2});
+    fields.add("column_std", column_std, "1 sigma of the inverse depth in columns, relative", "",
+               {1e-6, 10.0});
+    fields.add("background_std", background_std, "1 sigma of the inverse depth of the background, relative",
+               "", {1e-6, 10.0});
+    fields.group("Lidar");
+    fields.add("completion_kernel", completion_kernel,
+               "Largest gap between points that is filled, at 1600 px image width", "px", {1, 199});
+    fields.add("lidar_std", lidar_std, "1 sigma of the inverse depth at a point, relative", "", {1e-6, 10.0});
+    fields.add("completion_std", completion_std,
+               "In addition, relative, for each px to the nearest point at 1600 px image width", "1/px",
+               {0.0, 10.0});
+    fields.group("Network");
+    fields.add("depth_model", network.model,
+               "TorchScript file of export_justdepth.py, for depth_backend torch");
+    network.describe(fields);
+  }
 };
 
 /// Metric depth (m along the optical axis, CV_32FC1) on the grid of the input's camera; NaN = unknown.
@@ -123,7 +152,7 @@ cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_b
 /// So the share that the height adds is the same everywhere, height_std / h; that of the pitch grows with the
 /// distance ahead, about distance / h. Both and relative_std are independent of each other.
 cv::Mat groundRelativeStd(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
-                          double height, double pitch, const GroundUncertainty& uncertainty);
+                          const GroundParams& ground);
 
 /// Depth of points seen by the camera, the nearest where several fall on one pixel; NaN elsewhere.
 cv::Mat projectedDepth(const std::vector<Eigen::Vector3f>& points_base, const CameraIntrinsics& camera,

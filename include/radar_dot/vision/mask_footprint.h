@@ -8,6 +8,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "radar_dot/common/fields.h"
 #include "radar_dot/vision/camera_intrinsics.h"
 
 namespace radar_dot {
@@ -15,10 +16,20 @@ namespace radar_dot {
 /// What a radar return stands for in an image. Most automotive radars do not measure elevation: a return is
 /// an upright column at its place.
 struct MaskFootprint {
-  double bottom = 0.3;     ///< m, lower end of the column, z of the base frame
-  double top = 1.3;        ///< m, upper end
-  double min_share = 0.5;  ///< of the column's pixels within the image that must be marked
+  double bottom = 0.3;
+  double top = 1.3;
+  double min_fraction = 0.5;
+
+  void describe(FieldList& fields) {
+    fields.add("mask_bottom", bottom, "Lower end of the column that a return stands for, in the base frame",
+               "m", {-10.0, 10.0});
+    fields.add("mask_top", top, "Upper end of the column", "m", {-10.0, 10.0});
+    fields.add("mask_min_fraction", min_fraction,
+               "Fraction of the pixels of the column within the image that must be marked", "", {0.0, 1.0});
+  }
 };
+/// @throws InvalidParameter, also for ends in the wrong order
+void validate(const MaskFootprint& footprint);
 
 /// Which points lie on what a mask marks: the image's half of the loop between mask and velocity.
 /// @param points  m, base frame, at the time of the mask; those that are not finite, behind the camera or out

@@ -17,7 +17,7 @@ MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const c
 /// The first image of a pair, seen together with the previous image: the pair that ended with it, seen from
 /// its second image, with all that belongs to the image itself as in `pair`. For MotionSegmenter::segment.
 MotionInput previousPairFromFirst(const MotionInput& pair, const MotionInput& pair_before,
-                                   const cv::Mat& flow_back, const cv::Mat& fb_error);
+                                  const cv::Mat& flow_back, const cv::Mat& fb_error);
 
 /// Neither one pair nor all pairs before together say more than these odds, e^6. With the default
 /// MotionParams::seed that carries regions on, but starts none: what is seen now must say so, too.

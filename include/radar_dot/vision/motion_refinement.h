@@ -16,43 +16,51 @@ namespace radar_dot {
 /// How well the motion of the base frame is known without looking at images, 1 sigma. Radar measures it in
 /// the plane of the ground; nothing measures how the body pitches and rolls, by ramps and brakes.
 struct MotionUncertainty {
-  double forward_velocity_std = 0.1;    ///< m/s
-  double lateral_velocity_std = 0.06;   ///< m/s
-  double vertical_velocity_std = 0.06;  ///< m/s
-  double yaw_rate_std = 0.006;          ///< rad/s
-  double tilt_std = 0.014;  ///< rad after one second, of pitch and roll each, growing with its root
+  double forward_velocity_std = 0.1;
+  double lateral_velocity_std = 0.06;
+  double vertical_velocity_std = 0.06;
+  double yaw_rate_std = 0.006;
+  double tilt_std = 0.014;  // grows with the root of the time
+
+  void describe(FieldList& fields) {
+    fields.add("forward_velocity_std", forward_velocity_std, "1 sigma of the forward velocity", "m/s",
+               {0.0, 100.0});
+    fields.add("lateral_velocity_std", lateral_velocity_std, "1 sigma of the lateral velocity", "m/s",
+               {0.0, 100.0});
+    fields.add("vertical_velocity_std", vertical_velocity_std, "1 sigma of the vertical velocity", "m/s",
+               {0.0, 100.0});
+    fields.add("yaw_rate_std", yaw_rate_std, "1 sigma of the yaw rate", "rad/s", {0.0, 10.0});
+    fields.add("tilt_std", tilt_std, "1 sigma of pitch and of roll after one second", "rad", {0.0, 1.0});
+  }
 };
 /// Covariance of (omega, tau) in the base frame after `dt` s, rad^2 and m^2.
-/// @throws std::invalid_argument for deviations below zero
+/// @throws InvalidParameter for deviations below zero
 Eigen::Matrix<double, 6, 6> baseMotionCovariance(const MotionUncertainty& uncertainty, double dt);
 
-/// Parameters of refineMotion. 1 sigma each; px of the camera's full image.
+/// Parameters of refineMotion.
 struct RefinementParams {
-  double flow_std = 2.0;            ///< px, of each component of a flow
-  double flow_std_relative = 0.03;  ///< share of the flow's length, on top
-  double fb_error_weight = 0.3;      ///< weight of the forward-backward error, where available
-  double depth_std = 0.3;           ///< share of the inverse depth, where MotionInput::depth_std does not say
-  /// The same of the ground plane, whatever MotionInput::depth_std says: what it says of pitch and height is
-  /// in the two below, which are estimated.
-  double ground_depth_std = GroundUncertainty{}.relative_std;
-  double ground_pitch_std = GroundUncertainty{}.pitch_std;    ///< rad, of the ground before the vehicle
-  double ground_height_std = GroundUncertainty{}.height_std;  ///< m
-  /// The errors of neighbours are alike: all pixels together tell as much as this many independent ones.
-  double independent_pixels = 300.0;
-  /// Squared distance, in units of its expectation, from which on a pixel hardly counts: Geman and McClure's
-  /// weights, 1 / (1 + distance / this)^2.
-  double kernel_width = 2.0;
-  int stride = 16;     ///< px, between the pixels that are looked at
-  int iterations = 8;  ///< of reweighted least squares
-};
-/// @throws std::invalid_argument naming the invalid parameter.
-void validate(const RefinementParams& params);
+  double independent_pixels = 300.0;  // the errors of neighbours are alike
+  double kernel_width = 2.0;          // Geman and McClure's weights: 1 / (1 + distance / this)^2
+  int stride = 16;
+  int iterations = 8;
 
-/// The ground plane that a part of MotionInput::depth shows (groundDepth).
+  void describe(FieldList& fields) {
+    fields.add("refine_independent_pixels", independent_pixels,
+               "All pixels together carry the information of this many independent ones", "", {1.0, 1e7});
+    fields.add("refine_kernel_width", kernel_width,
+               "Squared residual, in units of its expectation, from which on a pixel is down-weighted", "",
+               {0.01, 1000.0});
+    fields.add("refine_stride", stride, "Distance between the pixels that are used", "px", {1, 1000});
+    fields.add("refine_iterations", iterations, "Iterations of reweighted least squares", "", {1, 100});
+  }
+};
+
+/// The ground plane that a part of MotionInput::depth shows (groundDepth), and how well it is known. The
+/// relative error of its depth overrides MotionInput::depth_std; pitch and height are separate because they
+/// are estimated.
 struct GroundPlane {
   Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();  ///< at t-1
-  double height = 0.0;                                                   ///< m, base frame
-  double pitch = 0.0;                                                    ///< rad, nose down positive
+  GroundParams params;
 };
 
 /// What refineMotion found.
@@ -61,9 +69,8 @@ struct RefinedMotion {
   /// (omega, tau) after the motion given, rad and m, camera frame at t
   Eigen::Matrix<double, 6, 1> correction = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of the refined motion
-  std::optional<GroundPlane> ground;     ///< refined, where one was given
-  GroundUncertainty ground_uncertainty;  ///< of the refined ground
-  std::size_t pixels = 0;                ///< that were looked at; fewer than 50: the motion is the one given
+  std::optional<GroundPlane> ground;  ///< refined, with its uncertainty, where one was given
+  std::size_t pixels = 0;             ///< that were looked at; fewer than 50: the motion is the one given
 };
 
 /// Motion of the camera from flow and depth of all pixels, with the motion given and its covariance as the
@@ -76,23 +83,23 @@ struct RefinedMotion {
 /// uncertainty_terms.h. A direction whose variance in motion_covariance is zero does not change.
 /// @param ground  the plane that was drawn into the depth; pixels whose depth differs from it by more than
 ///                1 % are not ground
-/// @throws std::invalid_argument for images of other types or sizes than the camera's grid.
+/// @throws std::invalid_argument for images of other types or sizes than the camera's grid; InvalidParameter.
 RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundPlane>& ground = std::nullopt,
-                           const RefinementParams& params = {});
+                           const FlowDepthNoise& noise = {}, const RefinementParams& params = {});
 
 /// Depth whose pixels of one ground plane are those of another. @param max_depth  m, farther is unknown
 cv::Mat replaceGroundDepth(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
-                       const GroundPlane& refined, double max_depth);
+                           const GroundPlane& refined, double max_depth);
 
-/// The uncertainty of that depth (share of the inverse depth, CV_32FC1): where `depth` shows the drawn
+/// The uncertainty of that depth (fraction of the inverse depth, CV_32FC1): where `depth` shows the drawn
 /// ground, that of the refined one, else as in `relative_std`. @param depth  m, before its ground is
 /// exchanged
 cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
-                          const GroundPlane& drawn, const RefinedMotion& refined);
+                         const GroundPlane& drawn, const RefinedMotion& refined);
 
 /// A pair with its motion refined (refineMotion): motion, covariance, and where the ground is given, both
 /// depths and their uncertainty. @param max_depth  m, ground farther than this is unknown
 void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, double max_depth,
-                 const RefinementParams& params = {});
+                 const FlowDepthNoise& noise = {}, const RefinementParams& params = {});
 
 }  // namespace radar_dot

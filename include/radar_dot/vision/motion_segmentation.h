@@ -9,14 +9,25 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "radar_dot/common/fields.h"
 #include "radar_dot/vision/camera_intrinsics.h"
+#include "radar_dot/vision/flow_depth_noise.h"
+#include "radar_dot/vision/shared_fields.h"
 
 namespace radar_dot {
 
 /// What makes a pixel's residual a score.
 enum class MotionScore {
-  kPaper,       ///< the paper's: residuals over one tolerance each, MADs above the median (motion_terms.h)
-  kUncertainty  ///< Mahalanobis distance of the residuals, a chi-square level (uncertainty_terms.h)
+  kPaper,       // motion_terms.h
+  kUncertainty  // uncertainty_terms.h
+};
+template <>
+struct EnumNames<MotionScore> {
+  static constexpr const char* kWhat = "score";
+  static constexpr EnumName<MotionScore> kValues[] = {
+      {MotionScore::kPaper, "paper", "residuals over one tolerance each, MADs above the median"},
+      {MotionScore::kUncertainty, "uncertainty",
+       "Mahalanobis distance from the static prediction, a chi-square quantile"}};
 };
 
 /// Parameters of MotionSegmenter. Lengths in px are px of the camera's full image; on a coarser grid they are
@@ -25,52 +36,98 @@ struct MotionParams {
   MotionScore score = MotionScore::kPaper;
 
   // Score of the paper
-  double k = 10.0;         ///< MADs above the median, the paper's k
-  double lambda = 0.5;     ///< weight of the depth residual, the paper's lambda
-  double min_depth = 1.0;  ///< m, the paper's Z_min: nearer pixels are tolerated like this depth
-  double foe_std =
-      100.0;  ///< px, the paper's sigma_FOE: reach of the extra tolerance around the focus of expansion
-  /// Least threshold. A score of 2 is a residual of 4 px at the median depth: where nearly everything agrees,
-  /// MADs above the median would cut into the errors of flow and depth.
+  double k = 10.0;
+  double lambda = 0.5;
+  double min_depth = 1.0;
+  double foe_std = 100.0;
+  // A score of 2 is a residual of 4 px at the median depth: where nearly everything agrees, MADs above the
+  // median would cut into the errors of flow and depth.
   double min_threshold = 2.0;
 
-  // Score by uncertainty, 1 sigma each
-  double flow_std = 2.0;            ///< px, of each component of a flow
-  double flow_std_relative = 0.03;  ///< share of the flow's length, on top
-  double fb_error_weight = 0.2;      ///< weight of the forward-backward error, where available
-  double depth_std = 0.2;           ///< share of the inverse depth, where MotionInput::depth_std does not say
-  double next_depth_std = 0.5;      ///< share of the depth, of a depth seen in the second image
-  /// Probability that a static pixel is above the threshold, were the uncertainties exact. What they leave
-  /// out is measured in every image: the threshold grows and falls with the median of the score over that of
-  /// static pixels,
+  // Score by uncertainty
+  FlowDepthNoise noise;
+  double next_depth_std = 0.5;
+  // What the uncertainties leave out is measured in every image: the threshold grows and falls with the
+  // median of the score over that of static pixels, but not below min_scale.
   double false_alarm = 1e-3;
-  double min_scale = 0.6;  ///< but not below this multiple
-  /// Hysteresis: a region above the threshold counts where a part of it that stands the opening is above this
-  /// multiple of it; 1 = off.
-  double seed = 3.5;
+  double min_scale = 0.6;
+  double hysteresis_ratio = 3.5;
 
-  /// A predicted point farther than the depth seen there by this share of its own depth is hidden in the
-  /// second image. Well above the depth errors, so that a mover that comes nearer is not taken for an
-  /// occluder.
+  // Well above the depth errors, so that a mover that comes nearer is not taken for an occluder.
   double occlusion_margin = 0.5;
-  double max_depth = 120.0;  ///< m; farther is unknown
-  int opening = 5;           ///< px, diameter of the ellipse that removes isolated detections; 0 or 1 = off
-  int closing = 9;           ///< px, diameter of the ellipse that fills gaps; 0 or 1 = off
-  /// Excludes pixels whose prediction leaves the image, as the paper's "out of bounds": flow is worst there.
-  /// With flow that knows itself what it cannot see (forward_backward, or exact), leave it off: a car that
-  /// drives along stays in view where a standing one would have left it.
+  double max_depth = 120.0;
+  int opening = 5;
+  int closing = 9;
+  // With flow that knows itself what it cannot see (forward_backward, or exact), leave it off: a car that
+  // drives along stays in view where a standing one would have left it.
   bool predicted_in_view = true;
-  /// Factor on the score within the footprint of dynamic radar returns is 1 + this; 0 = off. At 2 a third of
-  /// the evidence is enough where the radar has seen something move; more finds more movers, and spills
-  /// around them.
+  // At 2 a third of the evidence is enough where the radar has seen something move; more finds more movers,
+  // and spills around them.
   double radar_gain = 2.0;
-  double radar_radius = 1.0;       ///< m, of the footprint of a return
-  double radar_azimuth_std = 0.0;  ///< rad; far away the footprint is as wide as one sigma of the bearing
-  /// Divisor of the score within the footprint of static radar returns, and in that of none that moves, is 1
-  /// + this; 0 = off.
+  double radar_radius = 1.0;
+  double radar_azimuth_std = 0.0;
   double static_gain = 0.0;
+
+  void describe(FieldList& fields) {
+    fields.group("Score");
+    fields.add("score", score, "What turns the residual of a pixel into a score");
+    fields.add("k", k, "MADs above the median score that make a pixel dynamic, the paper's k (score paper)",
+               "", {0.0, 1000.0});
+    fields.add(
+        "lambda", lambda,
+        "Weight of the depth residual, the paper's lambda; 0: flow alone, without waiting for the depth of "
+        "the second image (score paper)",
+        "", {0.0, 100.0});
+    fields.add("min_depth", min_depth,
+               "Z_min of the paper: nearer pixels have the tolerance of this depth (score paper)", "m",
+               {0.01, 100.0});
+    fields.add(
+        "foe_std", foe_std,
+        "sigma_FOE of the paper: reach of the extra tolerance around the focus of expansion (score paper)",
+        "px", {0.1, 10000.0});
+    fields.add("min_threshold", min_threshold, "Lower limit of the threshold (score paper)", "",
+               {0.0, 1000.0});
+    describeMaxDepth(max_depth, fields);
+    fields.add(
+        "occlusion_margin", occlusion_margin,
+        "A predicted point is occluded if it lies farther than the depth seen there by this fraction of its "
+        "own depth",
+        "", {0.0, 1.0});
+    fields.add("predicted_in_view", predicted_in_view, "Exclude pixels whose prediction leaves the image");
+    fields.group("Uncertainty");
+    noise.describe(fields);
+    fields.add("next_depth_std", next_depth_std, "1 sigma of a depth in the second image, relative", "",
+               {0.001, 100.0});
+    fields.add("false_alarm", false_alarm,
+               "Probability that a static pixel is above the threshold, were the uncertainties exact", "",
+               {1e-12, 0.5});
+    fields.add("min_scale", min_scale,
+               "Lower limit of the factor on the threshold, which falls where images agree better than the "
+               "uncertainties say",
+               "", {0.01, 1.0});
+    fields.add(
+        "hysteresis_ratio", hysteresis_ratio,
+        "A region is kept only if, after the opening, some pixel exceeds this multiple of the threshold; 1: "
+        "off",
+        "", {1.0, 100.0});
+    fields.group("Mask");
+    fields.add("opening", opening, "Width of the opening that removes isolated detections; 0: off", "px",
+               {0, 999});
+    fields.add("closing", closing, "Width of the closing that fills gaps; 0: off", "px", {0, 999});
+    fields.group("Radar");
+    fields.add("radar_gain", radar_gain,
+               "Within footprints of dynamic returns the score is multiplied by 1 + this; 0: off", "",
+               {0.0, 100.0});
+    fields.add("radar_radius", radar_radius, "Radius of the footprint of a return", "m", {0.01, 100.0});
+    fields.add("radar_azimuth_std", radar_azimuth_std,
+               "Lower limit of the half width of a footprint, as an angle seen from the camera", "rad",
+               {0.0, 0.5});
+    fields.add("static_gain", static_gain,
+               "Within footprints of static returns only, the score is divided by 1 + this; 0: off", "",
+               {0.0, 100.0});
+  }
 };
-/// @throws std::invalid_argument naming the invalid parameter.
+/// @throws InvalidParameter, also for a flow without any noise
 void validate(const MotionParams& params);
 
 /// One pair of images, at t-1 and t, on one grid. Seen from the second image (motion_history.h) t is the

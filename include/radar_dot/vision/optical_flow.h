@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/common/fields.h"
 #include "radar_dot/vision/network_params.h"
+#include "radar_dot/vision/shared_fields.h"
 
 namespace radar_dot {
 
@@ -17,37 +19,77 @@ struct FlowField {
   cv::Mat
       flow;  ///< CV_32FC2, px OF THIS GRID: pixel (u, v) of the first image is at (u, v) + flow in the second
   cv::Mat valid;  ///< CV_8UC1 of the same size, 255 = reliable; empty: everything is
-  /// CV_32FC1, px OF THIS GRID: forward-backward error of the flow, NaN where it leaves the image. Empty without
-  /// forward_backward.
+  /// CV_32FC1, px OF THIS GRID: forward-backward error of the flow, NaN where it leaves the image. Empty
+  /// without forward_backward.
   cv::Mat fb_error = {};
   /// CV_32FC2, px OF THIS GRID: from the second image to the first. Empty without forward_backward.
   cv::Mat backward = {};
 };
 
+/// Effort of the backend dis.
+enum class FlowPreset { kUltrafast, kFast, kMedium, kFine };
+template <>
+struct EnumNames<FlowPreset> {
+  static constexpr const char* kWhat = "preset";
+  static constexpr EnumName<FlowPreset> kValues[] = {
+      {FlowPreset::kUltrafast, "ultrafast", "of OpenCV"},
+      {FlowPreset::kFast, "fast", "of OpenCV"},
+      {FlowPreset::kMedium, "medium", "of OpenCV"},
+      {FlowPreset::kFine, "fine",
+       "finest scale, small stride: 3 to 6 times as slow as medium, 0.6 to 0.8 of its error"}};
+};
+
+/// What the flow of a pair starts from.
+enum class FlowStart { kNone, kTemporal, kExpected };
+template <>
+struct EnumNames<FlowStart> {
+  static constexpr const char* kWhat = "initialisation";
+  static constexpr EnumName<FlowStart> kValues[] = {
+      {FlowStart::kNone, "none", "zero: every pair by itself"},
+      {FlowStart::kTemporal, "temporal", "the flow of the previous pair, for streams of images"},
+      {FlowStart::kExpected, "expected",
+       "the flow of a static world, for large motion; needs depth, camera_info and ego/twist"}};
+};
+
 /// Parameters of makeOpticalFlow; a backend ignores what it does not know.
 struct OpticalFlowParams {
-  std::string backend = "dis";  ///< "dis"; "torch", a network; or what was registered
-  /// px, width of the grid of the flow; 0 = that of the images. "dis" computes on it: half the resolution of
-  /// a 1600x900 camera costs a fifth, and on soft images loses little.
+  std::string backend = "dis";
   int working_width = 800;
-  /// "ultrafast", "fast", "medium": OpenCV's; "fine": finest scale 0, patch stride 3, 50 gradient-descent
-  /// and 10 variational iterations, three to six times as slow, with 0.6 to 0.8 of the error.
-  std::string preset = "medium";
-  /// "none"; "temporal": starts from the flow of the previous pair, for streams of images;
-  /// "expected": starts from the flow given as `expected`, for motion too large to be found from nothing.
-  std::string initialisation = "none";
-  /// Also computes the flow back, and marks pixels as not valid where the two do not close. Doubles the time.
-  /// What moves far is what closes least: masks get precise and incomplete.
+  FlowPreset preset = FlowPreset::kMedium;
+  FlowStart initialisation = FlowStart::kNone;
   bool forward_backward = false;
-  /// A pixel is valid where |f(p) + b(p + f(p))| <= absolute + relative (|f| + |b|), px of the grid.
   double forward_backward_absolute = 1.0;
   double forward_backward_relative = 0.05;
-
-  // torch
   NetworkParams network;
-  /// px, size of the images that the network gets, whatever their shape; multiples of 8.
   int network_width = 640;
   int network_height = 360;
+
+  void describe(FieldList& fields) {
+    fields.group("Flow");
+    fields.add(
+        "flow_backend", backend,
+        "dis: OpenCV's dense inverse search; torch: a network; or a registered one. Evaluators also take "
+        "ground_truth and files");
+    describeWorkingWidth(working_width, fields);
+    fields.add("preset", preset, "Effort of the backend dis");
+    fields.add("initialisation", initialisation, "Initial flow of a pair");
+    fields.add(
+        "forward_backward", forward_backward,
+        "Compute the backward flow as well, and mark pixels whose forward-backward error is too large; "
+        "doubles the time");
+    fields.add("forward_backward_absolute", forward_backward_absolute,
+               "Largest forward-backward error |f(p) + b(p + f(p))| of a valid pixel, in px of the grid",
+               "px", {0.0, 1000.0});
+    fields.add("forward_backward_relative", forward_backward_relative,
+               "In addition, as a fraction of the lengths of both flows", "", {0.0, 10.0});
+    fields.group("Network");
+    fields.add("flow_model", network.model, "TorchScript file of export_raft.py, for flow_backend torch");
+    fields.add("network_width", network_width, "Width of the images for the network, a multiple of 8", "px",
+               {64, 8192});
+    fields.add("network_height", network_height, "Height of the images for the network, a multiple of 8",
+               "px", {64, 8192});
+    network.describe(fields);
+  }
 };
 
 /// Dense optical flow between two images of equal size, CV_8UC3 (BGR) or CV_8UC1. Not thread-safe; may keep
@@ -87,8 +129,8 @@ FlowField backwardField(const FlowField& field, const OpticalFlowParams& params)
 cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
                              double relative);
 
-/// Both of FlowField: `valid` as forwardBackwardValid, and `fb_error`, |f(p) + b(p + f(p))|, CV_32FC1, px, NaN
-/// where the flow leaves the image, or is not finite.
+/// Both of FlowField: `valid` as forwardBackwardValid, and `fb_error`, |f(p) + b(p + f(p))|, CV_32FC1, px,
+/// NaN where the flow leaves the image, or is not finite.
 void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double absolute, double relative);
 
 /// Flow on another grid, bilinear, with its vectors scaled to px of that grid.

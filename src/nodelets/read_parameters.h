@@ -1,0 +1,92 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <XmlRpcValue.h>
+#include <ros/node_handle.h>
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "radar_dot/common/fields.h"
+
+// The parameters of a nodelet from the parameter server. One bad value does not take the good ones with it,
+// and none ends the process: what is refused has its default, and is reported.
+
+namespace radar_dot {
+
+/// What was wrong with the parameters that were given at start.
+struct ParameterProblems {
+  std::vector<std::string> lines;  ///< one sentence each, with the full names
+  /// Fields that have their defaults instead of what was given; "radars/front": an entry that was left out.
+  std::vector<std::string> refused;
+
+  bool concern(std::string_view name) const;
+  /// All lines in one; empty: nothing is wrong.
+  std::string text() const;
+};
+
+/// Writes what is given into the fields of these names. @param space  name of the namespace, for messages
+void readFields(const XmlRpc::XmlRpcValue& given, const std::string& space, const FieldList& fields,
+                ParameterProblems& problems);
+
+/// One line for each name in the namespace that nobody reads: most often it is misspelt.
+std::vector<std::string> unknownParameters(const XmlRpc::XmlRpcValue& given, const std::string& space,
+                                           const FieldList& fields);
+
+/// Repeats `attempt` until it succeeds. What throws InvalidParameter sends the fields that it names back to
+/// their defaults; after another std::exception all that can change while the nodelet runs have them.
+/// @return false: it fails with the defaults too
+bool fallBackUntil(const std::function<void()>& attempt, const std::string& space, const FieldList& fields,
+                   const FieldList& defaults, ParameterProblems& problems);
+
+/// A field as the parameter server holds it; invalid: it has no value.
+XmlRpc::XmlRpcValue toXmlRpc(const Field& field);
+
+/// Reads all fields from the namespace of the handle. Unknown names are warned of.
+void readParameters(const ros::NodeHandle& private_handle, const FieldList& fields,
+                    ParameterProblems& problems);
+
+/// One error line for each problem from `first` on.
+void logProblems(const ParameterProblems& problems, std::size_t first = 0);
+
+template <typename Config, typename = void>
+struct HasRules : std::false_type {};
+template <typename Config>
+struct HasRules<Config, std::void_t<decltype(validate(std::declval<const Config&>()))>> : std::true_type {};
+
+/// Checks the fields, and by validate(const Config&) the rules between them where there are any.
+/// @throws InvalidParameter
+template <typename Config>
+void validateConfig(const Config& config) {
+  if constexpr (HasRules<Config>::value)
+    validate(config);
+  else
+    validateFields(config);
+}
+
+/// A configuration as it was given, as far as it is valid.
+template <typename Config>
+struct GivenConfig {
+  Config config;
+  ParameterProblems problems;
+};
+
+/// Reads and validates a configuration, and logs what is wrong with it.
+template <typename Config>
+GivenConfig<Config> readConfig(const ros::NodeHandle& private_handle) {
+  GivenConfig<Config> given;
+  Config defaults;
+  const FieldList fields = fieldsOf(given.config);
+  readParameters(private_handle, fields, given.problems);
+  fallBackUntil([&given] { validateConfig(given.config); }, private_handle.getNamespace(), fields,
+                fieldsOf(defaults), given.problems);
+  logProblems(given.problems);
+  return given;
+}
+
+}  // namespace radar_dot

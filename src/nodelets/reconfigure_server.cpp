@@ -1,0 +1,65 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reconfigure_server.h"
+
+#include <dynamic_reconfigure/Config.h>
+#include <dynamic_reconfigure/ConfigDescription.h>
+#include <ros/console.h>
+
+#include "reconfigure_messages.h"
+
+namespace radar_dot {
+
+ReconfigureServerBase::ReconfigureServerBase(const ros::NodeHandle& private_handle,
+                                             ParameterProblems problems)
+    : handle_(private_handle), problems_(std::move(problems)) {}
+
+void ReconfigureServerBase::start() {
+  const std::size_t known = problems_.lines.size();
+  usable_ =
+      fallBackUntil([this] { applyInForce(); }, handle_.getNamespace(), inForce(), defaults(), problems_);
+  logProblems(problems_, known);
+
+  // What was refused stays on the parameter server: the next start must not take the default for the wish.
+  for (const Field& field : inForce())
+    if (!field.at_start && !refusedAtStart(field.name)) store(field);
+
+  descriptions_ =
+      handle_.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
+  descriptions_.publish(descriptionOf(defaults()));
+  updates_ = handle_.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
+  updates_.publish(messageOf(inForce()));
+  service_ = handle_.advertiseService("set_parameters", &ReconfigureServerBase::set, this);
+}
+
+void ReconfigureServerBase::stop() { service_.shutdown(); }
+
+bool ReconfigureServerBase::set(dynamic_reconfigure::Reconfigure::Request& request,
+                                dynamic_reconfigure::Reconfigure::Response& response) {
+  std::vector<std::string> names;
+  try {
+    change([&](const FieldList& fields) { names = writeRequest(request.config, fields); });
+  } catch (const std::exception& error) {
+    ROS_ERROR("%s: rejected: %s; parameters unchanged", handle_.getNamespace().c_str(), error.what());
+    // The client that asked shows what it asked for.
+    updates_.publish(messageOf(inForce()));
+    throw;  // roscpp sends the text to the client
+  }
+  usable_ = true;
+  problems_ = {};
+  const FieldList fields = inForce();
+  for (const std::string& name : names) store(*fields.find(name));
+  response.config = messageOf(fields);
+  updates_.publish(response.config);
+  return true;
+}
+
+void ReconfigureServerBase::store(const Field& field) {
+  const XmlRpc::XmlRpcValue value = toXmlRpc(field);
+  if (value.valid())
+    handle_.setParam(field.name, value);
+  else if (handle_.hasParam(field.name))
+    handle_.deleteParam(field.name);
+}
+
+}  // namespace radar_dot
