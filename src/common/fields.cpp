@@ -240,15 +240,13 @@ std::string nearestName(const std::string& unknown, const std::vector<std::strin
   std::string nearest;
   std::size_t least = std::max<std::size_t>(2, unknown.size() / 3) + 1;
   for (const std::string& name : known) {
-    const std::size_t distance = editDistance(unknown, name);
+    const bool is_abbreviated = unknown.size() > 2 && name.rfind(unknown, 0) == 0;
+    const std::size_t distance = is_abbreviated ? 1 : editDistance(unknown, name);
     if (distance < least) {
       least = distance;
       nearest = name;
     }
   }
-  // An abbreviation has many edits.
-  for (const std::string& name : known)
-    if (nearest.empty() && unknown.size() > 2 && name.rfind(unknown, 0) == 0) nearest = name;
   return nearest;
 }
 

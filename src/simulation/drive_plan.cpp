@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <string>
 
 #include "radar_dot/simulation/random_stream.h"
 
@@ -110,36 +110,49 @@ void thinOut(CameraFrames frames, std::vector<PlannedReading>& readings) {
   readings = std::move(kept);
 }
 
-void checkRate(const char* name, double rate, bool may_be_off) {
-  if (may_be_off && rate == 0.0) return;
-  if (!(rate >= 2.0 && rate <= 100.0))
-    throw std::invalid_argument(fmt::format("{} of {} Hz; it must be 2 to 100{}", name, rate,
-                                            may_be_off ? ", or 0 to leave the sensor out" : ""));
+constexpr double kLeastRate = 2.0;  // Hz, of keyframes
+constexpr double kMostRate = 100.0;
+
+void checkRate(const FieldList& fields, const double& rate) {
+  require(rate == 0.0 || rate >= kLeastRate, fields, {&rate},
+          fmt::format("it must be at least {:g} Hz, or 0 to leave the sensor out", kLeastRate));
 }
 
 }  // namespace
 
+void DriveOptions::describe(FieldList& fields) {
+  fields.group("Drive");
+  fields.add("duration", duration_s, "From the first keyframe of a scene to the last", "s",
+             {1e-3, kLongestDrive});
+  fields.add("seed", seed, "Of everything random: same seed, same bytes");
+  fields.add("threads", threads, "Threads that work; 0: one per core. The result does not depend on them", "",
+             {0, kMostThreads});
+  fields.group("Sensors");
+  fields.add("cameras", cameras, "Cameras by channel");
+  fields.add("width", width, "Width of the images", "px", {64, 8192});
+  fields.add("height", height, "Height of the images", "px", {36, 8192});
+  fields.add("frames", frames, "Which images a camera takes");
+  fields.add("camera_rate", camera_rate, "Rate of the cameras", "Hz", {kLeastRate, kMostRate});
+  fields.add("radar_rate", radar_rate, "Rate of the radars; 0: no radars", "Hz", {0.0, kMostRate});
+  fields.add("lidar_rate", lidar_rate, "Rate of the lidar; 2: keyframes only, 0: no lidar", "Hz",
+             {0.0, kMostRate});
+  fields.add("ground_truth", ground_truth,
+             "Of which images of CAM_FRONT exact depth, flow, occlusion and masks are written");
+}
+
 void checkOptions(const DriveOptions& options) {
-  if (!(options.duration_s > 0.0 && options.duration_s <= kLongestDrive))
-    throw std::invalid_argument(fmt::format("duration of {} s; it must be above 0 and at most {}",
-                                            options.duration_s, kLongestDrive));
-  if (options.width < 64 || options.width > 8192 || options.height < 36 || options.height > 8192)
-    throw std::invalid_argument(
-        fmt::format("image size {}x{}; it must be 64x36 to 8192x8192", options.width, options.height));
-  checkRate("camera rate", options.camera_rate, false);
-  checkRate("radar rate", options.radar_rate, true);
-  checkRate("lidar rate", options.lidar_rate, true);
-  if (options.threads < 0 || options.threads > kMostThreads)
-    throw std::invalid_argument(
-        fmt::format("threads: {}; must be 1 to {}, or 0 for one per core", options.threads, kMostThreads));
-  if (options.cameras.empty()) throw std::invalid_argument("cameras: at least one is needed");
+  const FieldList fields = fieldsOf(options);
+  checkFields(fields);
+  checkRate(fields, options.radar_rate);
+  checkRate(fields, options.lidar_rate);
+  require(!options.cameras.empty(), fields, {&options.cameras}, "at least one is needed");
   std::string names;
   for (const CameraMount& mount : cameraMounts()) names += (names.empty() ? "" : ", ") + mount.channel;
   for (const std::string& channel : options.cameras) {
     const auto& mounts = cameraMounts();
     if (std::none_of(mounts.begin(), mounts.end(),
                      [&](const CameraMount& m) { return m.channel == channel; }))
-      throw std::invalid_argument(fmt::format("no camera '{}'; there are {}", channel, names));
+      throw InvalidParameter({"cameras"}, fmt::format("cameras: there is no {}, only {}", channel, names));
   }
 }
 

@@ -45,7 +45,8 @@ class CommandLine {
   /// All sections of a configuration file, in use here or not. With them the tool has --config.
   void setSections(std::vector<Section> sections);
 
-  /// An option for each field that the filter lets through and that has an effect without a live system.
+  /// Options under a heading, and below it the groups of the fields, which are headings where it is empty.
+  /// One for each field that the filter lets through and that has an effect without a live system.
   /// Fields of one name become one option that sets all of them; in the help it is where it was first added.
   /// @throws std::logic_error where their type, unit or range differ
   void add(const std::string& heading, const FieldList& fields, const FieldFilter& filter = {});

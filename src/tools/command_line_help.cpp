@@ -145,8 +145,9 @@ std::string CommandLine::help() const {
   std::vector<std::pair<std::string, std::string>> blocks;
   for (const Option& option : options_) {
     const std::string group = option.field().group;
+    const bool is_either = option.heading.empty() || group.empty() || group == option.heading;
     const std::string title =
-        option.heading + (group.empty() || group == option.heading ? "" : " / " + group);
+        is_either ? (option.heading.empty() ? group : option.heading) : option.heading + " / " + group;
     const auto found = std::find_if(blocks.begin(), blocks.end(),
                                     [&title](const auto& known) { return known.first == title; });
     if (found == blocks.end())

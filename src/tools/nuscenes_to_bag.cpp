@@ -2,25 +2,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "progress_bar.h"
 #include "radar_dot/bag/scene_converter.h"
+#include "radar_dot/common/fields.h"
 #include "radar_dot/dataset/instance_masks.h"
 #include "radar_dot/dataset/tables.h"
 #include "signal_watch.h"
 
 namespace {
 
-using radar_dot::bag::Compression;
 using radar_dot::bag::ConvertOptions;
 using radar_dot::bag::ConvertSummary;
 using radar_dot::bag::FileCount;
@@ -32,43 +32,31 @@ using radar_dot::tools::Interrupted;
 using radar_dot::tools::SignalWatch;
 
 constexpr int kFailure = 1;
-constexpr int kUsage = 2;
 
 struct Arguments {
   std::string dataroot;
   LoadOptions load;
   bool all = false;
   std::string output = ".";
-  std::string compression = "none";
-  std::vector<std::string> channels;
-  bool force = false;
-  bool no_masks = false;
+  ConvertOptions convert;
+  bool masks = true;
   bool quiet = false;
+
+  void describe(radar_dot::FieldList& fields) {
+    fields.group("Input");
+    fields.add("dataroot", dataroot, "Folder with samples/, sweeps/ and the tables");
+    fields.add("version", load.version, "Folder of the tables in it");
+    fields.add("scenes", load.scenes, "Scenes to convert, e.g. scene-0061,scene-0103; empty: all");
+    fields.add("all", all, "Convert every scene, as without --scenes");
+    fields.add("channels", convert.channels, "Sensors to convert, e.g. RADAR_FRONT,CAM_FRONT; empty: all");
+    fields.group("Output");
+    fields.add("output", output, "Folder for the bags");
+    fields.add("compression", convert.compression, "Compression of the bags");
+    fields.add("masks", masks, "Write the ground-truth dynamic masks, where there are any");
+    fields.add("force", convert.overwrite, "Overwrite bags that exist");
+    fields.add("quiet", quiet, "Print warnings and errors only");
+  }
 };
-
-void addOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("--dataroot", arguments.dataroot, "Folder with samples/, sweeps/ and the tables")
-      ->required();
-  app.add_option("--version", arguments.load.version, "Folder of the tables (default: v1.0-mini)");
-  CLI::Option* scenes =
-      app.add_option("--scenes", arguments.load.scenes, "Scenes to convert, e.g. scene-0061,scene-0103")
-          ->delimiter(',');
-  app.add_flag("--all", arguments.all, "Convert every scene (the default)")->excludes(scenes);
-  app.add_option("--channels", arguments.channels,
-                 "Sensors to convert, e.g. RADAR_FRONT,CAM_FRONT (default: all)")
-      ->delimiter(',');
-  app.add_option("--output", arguments.output, "Folder for the bags (default: .)");
-  app.add_option("--compression", arguments.compression, "none, lz4 or bz2 (default: none)")
-      ->check(CLI::IsMember({"none", "lz4", "bz2"}));
-  app.add_flag("--force", arguments.force, "Overwrite bags that exist");
-  app.add_flag("--no-masks", arguments.no_masks, "Leave the ground-truth dynamic masks out");
-  app.add_flag("--quiet", arguments.quiet, "Print warnings and errors only");
-}
-
-Compression compressionOf(const std::string& name) {
-  if (name == "lz4") return Compression::kLz4;
-  return name == "bz2" ? Compression::kBz2 : Compression::kNone;
-}
 
 void printSummary(const ConvertSummary& summary, double seconds) {
   std::string line = fmt::format("{}  {} messages  {:.1f} MB", summary.file.string(), summary.messages,
@@ -91,31 +79,29 @@ void warnOfMissingFiles(const std::map<std::string, FileCount>& missing) {
   }
 }
 
-ConvertSummary convert(const Tables& tables, Index scene, const Arguments& arguments,
-                       const ConvertOptions& options) {
+ConvertSummary convert(const Tables& tables, Index scene, const Arguments& arguments) {
   const SignalWatch signals;
   radar_dot::tools::ProgressBar bar(tables.scenes[static_cast<std::size_t>(scene)].name, "readings",
                                     !arguments.quiet);
-  return convertScene(tables, scene, arguments.output, options, [&](std::size_t done, std::size_t total) {
-    signals.check();
-    bar.update(done, total);
-  });
+  return convertScene(tables, scene, arguments.output, arguments.convert,
+                      [&](std::size_t done, std::size_t total) {
+                        signals.check();
+                        bar.update(done, total);
+                      });
 }
 
-void run(const Arguments& arguments) {
+void run(Arguments& arguments) {
   Tables tables = Tables::load(arguments.dataroot, arguments.load);
   std::vector<InstanceMask> masks;
-  if (!arguments.no_masks && hasInstanceMasks(tables)) masks = readInstanceMasks(tables);
-  ConvertOptions options;
-  options.channels = arguments.channels;
-  options.compression = compressionOf(arguments.compression);
-  options.overwrite = arguments.force;
-  options.masks = arguments.no_masks ? nullptr : &masks;
+  if (arguments.masks) {
+    if (hasInstanceMasks(tables)) masks = readInstanceMasks(tables);
+    arguments.convert.masks = &masks;
+  }
 
   std::map<std::string, FileCount> missing;
   for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
     const auto start = std::chrono::steady_clock::now();
-    const ConvertSummary summary = convert(tables, static_cast<Index>(scene), arguments, options);
+    const ConvertSummary summary = convert(tables, static_cast<Index>(scene), arguments);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     if (!arguments.quiet) printSummary(summary, elapsed.count());
     for (const auto& [channel, count] : summary.missing) {
@@ -134,16 +120,15 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
 
-  CLI::App app("Converts scenes of a nuScenes dataset to rosbags, one <scene>.bag each.", "nuscenes_to_bag");
   Arguments arguments;
-  addOptions(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::fputs(fmt::format("nuscenes_to_bag: {}; see --help\n", error.what()).c_str(), stderr);
-    return kUsage;
-  }
+  radar_dot::tools::CommandLine command_line(
+      "nuscenes_to_bag", "Converts scenes of a nuScenes dataset to rosbags, one <scene>.bag each.",
+      {"nuscenes_to_bag --dataroot DIR --output bags",
+       "nuscenes_to_bag --dataroot DIR --scenes scene-0061,scene-0103 --channels RADAR_FRONT --no-masks"});
+  command_line.add("", radar_dot::fieldsOf(arguments));
+  command_line.require("dataroot");
+  command_line.exclude("all", "scenes");
+  if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;
   try {
     run(arguments);
   } catch (const Interrupted& interrupt) {

@@ -287,10 +287,10 @@ TEST(DriveOptionsCheck, NamesTheOptionThatMakesNoSense) {
   expectRefused(options, "duration");
   options = {};
   options.width = 0;
-  expectRefused(options, "image size");
+  expectRefused(options, "width is 0");
   options = {};
   options.radar_rate = 1.0;
-  expectRefused(options, "radar rate");
+  expectRefused(options, "radar_rate is 1 Hz");
   options = {};
   options.cameras = {"CAM_TOP"};
   expectRefused(options, "CAM_TOP");

@@ -42,9 +42,10 @@ TEST(SimulateDrive, RefusesWhatMakesNoSenseAndLeavesNothing) {
   expectRefusal(output + " --suite maxi", "mini");
   expectRefusal(output + " --scenarios volcano", "crossing");
   expectRefusal(output + " --scenarios crossing --suite mini", "--suite");
-  expectRefusal(output + " --width 3", "image size");
+  expectRefusal(output + " --width 3", "--width is 3, must be between 64 and 8192 px");
   expectRefusal(output + " --cameras CAM_TOP", "CAM_FRONT");
-  expectRefusal(output + " --camera-rate 1", "camera rate");
+  expectRefusal(output + " --camera-rate 1", "--camera-rate is 1");
+  expectRefusal(output + " --radar-rate 1", "--radar-rate is 1 Hz; it must be at least 2 Hz, or 0");
   expectRefusal(output + " --frames some", "frames");
   expectRefusal(output + " --threads -1", "threads");
   expectRefusal("--output /proc/drive" + kQuick, "/proc");

@@ -13,9 +13,23 @@
 #include <memory>
 #include <string>
 
-namespace radar_dot::bag {
+#include "radar_dot/common/enum_names.h"
+
+namespace radar_dot {
+namespace bag {
 
 enum class Compression : std::uint8_t { kNone, kLz4, kBz2 };
+
+}  // namespace bag
+
+template <>
+struct EnumNames<bag::Compression> {
+  static constexpr const char* kWhat = "compression";
+  static constexpr EnumName<bag::Compression> kValues[] = {
+      {bag::Compression::kNone, "none"}, {bag::Compression::kLz4, "lz4"}, {bag::Compression::kBz2, "bz2"}};
+};
+
+namespace bag {
 
 /// A rosbag that appears under its name only when it is complete: it grows as
 /// `<file>.partial-<process id>` and is renamed by commit(). Without a commit nothing stays behind.
@@ -66,4 +80,5 @@ class BagFile {
   std::size_t messages_ = 0;
 };
 
-}  // namespace radar_dot::bag
+}  // namespace bag
+}  // namespace radar_dot

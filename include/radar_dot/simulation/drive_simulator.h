@@ -9,38 +9,61 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/common/enum_names.h"
+#include "radar_dot/common/fields.h"
 #include "radar_dot/dataset/new_scene.h"
 #include "radar_dot/simulation/camera_sensor.h"
 #include "radar_dot/simulation/chassis_sensors.h"
 #include "radar_dot/simulation/lidar_sensor.h"
 #include "radar_dot/simulation/scenario.h"
 
-namespace radar_dot::simulation {
+namespace radar_dot {
+namespace simulation {
 
 /// Which images a camera takes.
-enum class CameraFrames {
-  kAll,       ///< at the camera's rate
-  kPairs,     ///< keyframes and the image after each
-  kKeyframes  ///< 2 Hz
-};
+enum class CameraFrames { kAll, kPairs, kKeyframes };
 
 /// Which CAM_FRONT images come with exact images under ground_truth/.
 enum class GroundTruth { kAll, kKeyframes, kNone };
 
+}  // namespace simulation
+
+template <>
+struct EnumNames<simulation::CameraFrames> {
+  static constexpr const char* kWhat = "frames";
+  static constexpr EnumName<simulation::CameraFrames> kValues[] = {
+      {simulation::CameraFrames::kAll, "all", "all at the camera's rate"},
+      {simulation::CameraFrames::kPairs, "pairs", "keyframes and the image after each"},
+      {simulation::CameraFrames::kKeyframes, "keyframes", "2 Hz"}};
+};
+
+template <>
+struct EnumNames<simulation::GroundTruth> {
+  static constexpr const char* kWhat = "ground_truth";
+  static constexpr EnumName<simulation::GroundTruth> kValues[] = {
+      {simulation::GroundTruth::kAll, "all", "of all images"},
+      {simulation::GroundTruth::kKeyframes, "keyframes", "of keyframes"},
+      {simulation::GroundTruth::kNone, "none", "of none"}};
+};
+
+namespace simulation {
+
 struct DriveOptions {
-  double duration_s = 20.0;                          ///< from the first keyframe to the last; 2 Hz
-  int width = kFullWidth, height = kFullHeight;      ///< px
-  std::vector<std::string> cameras = {"CAM_FRONT"};  ///< channels
+  double duration_s = 20.0;
+  int width = kFullWidth, height = kFullHeight;
+  std::vector<std::string> cameras = {"CAM_FRONT"};
   CameraFrames frames = CameraFrames::kAll;
-  double camera_rate = 12.0;  ///< Hz; at least 2
-  double radar_rate = 13.0;   ///< Hz, 0 = no radars, else at least 2
-  double lidar_rate = 20.0;   ///< Hz, 0 = no lidar, else at least 2
+  double camera_rate = 12.0;
+  double radar_rate = 13.0;
+  double lidar_rate = 20.0;
   GroundTruth ground_truth = GroundTruth::kAll;
   std::uint64_t seed = 1;
-  int threads = 0;  ///< 0 = one per core; the result does not depend on it
+  int threads = 0;
   ImageSensorParams image;
   LidarModel lidar;
   ChassisModel chassis;
+
+  void describe(FieldList& fields);
 };
 
 /// Time of the first keyframe of the first scene; further scenes start 1000 s later each.
@@ -57,7 +80,8 @@ using DriveProgress = std::function<void(std::size_t done, std::size_t total)>;
 dataset::NewScene simulateDrive(const Scenario& scenario, const DriveOptions& options, std::size_t number,
                                 const std::filesystem::path& folder, const DriveProgress& progress = {});
 
-/// @throws std::invalid_argument with the option and its bounds.
+/// @throws InvalidParameter of an option, with what is valid.
 void checkOptions(const DriveOptions& options);
 
-}  // namespace radar_dot::simulation
+}  // namespace simulation
+}  // namespace radar_dot
