@@ -19,6 +19,7 @@
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/refusal.h"
 #include "radar_dot/evaluation/report.h"
+#include "tools/config_file.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -272,10 +273,10 @@ class RealData : public ::testing::Test {
     if (!std::filesystem::exists(dataroot)) GTEST_SKIP() << "no real data under " << dataroot;
     const dataset::Tables tables = dataset::Tables::load(dataroot);
     VelocityEvaluationOptions options;
-    options.ego_velocity.extraction.doppler_scale = kNuscenesDopplerScale;
-    options.ego_velocity.bearing_delay = kNuscenesBearingDelay;
+    Configuration nuscenes;
+    tools::readConfigFile(NUSCENES_CONFIG, sectionsOf(nuscenes));
+    options.ego_velocity = nuscenes.ego_velocity;
     options.ego_velocity.filter = filter;
-    options.ego_velocity.filter_params.lateral_slip_std = 0.01;
     for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
       const VelocityReport report = evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene), options);
       check(report);
