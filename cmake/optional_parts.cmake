@@ -35,6 +35,7 @@ function(radar_dot_part name option)
   endif()
 endfunction()
 
+# CLI11 goes when the last tool reads its options with Boost.Program_options.
 find_package(Boost QUIET OPTIONAL_COMPONENTS program_options)
 find_package(CLI11 QUIET)
 find_package(RapidJSON QUIET)

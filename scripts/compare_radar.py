@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # Copyright (c) 2026, the Radar-Dot developers
 # SPDX-License-Identifier: BSD-3-Clause
 """Prints what the radar returns of nuScenes dataroots look like, real and simulated side by side with their ratio.

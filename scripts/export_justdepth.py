@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # Copyright (c) 2026, the Radar-Dot developers
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes a TorchScript file of a JustDepth network (radar and camera to depth) for the depth of this package.

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # Copyright (c) 2026, the Radar-Dot developers
 # SPDX-License-Identifier: BSD-3-Clause
 """Bar chart of the ego-velocity error per scene and estimator, from evaluate_ego_velocity --json."""

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # Copyright (c) 2026, the Radar-Dot developers
 # SPDX-License-Identifier: BSD-3-Clause
 """Listens to a replay and prints, when it ends, what the nodelets published and how far it is from /ground_truth/odom.

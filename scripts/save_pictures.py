@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # Copyright (c) 2026, the Radar-Dot developers
 # SPDX-License-Identifier: BSD-3-Clause
 """Saves two pictures of a replay when it ends: the six panels and the mask over the image, at the annotated image

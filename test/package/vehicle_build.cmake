@@ -54,7 +54,7 @@ expect_listed(COMMAND ${CMAKE_COMMAND} --build . --target help
   WITHOUT radar_dot_dataset radar_dot_simulation radar_dot_evaluation radar_dot_bag simulate_drive nuscenes_to_bag
     evaluate_segmentation dataset_test simulation_benchmark)
 expect_listed(COMMAND ${CMAKE_CTEST_COMMAND} -N
-  WITH stamp_guard_test test_nodelets_replay
+  WITH stamp_guard_test test_nodelets_replay replay_summary
   WITHOUT dataset_test scenario_test simulate_drive evaluate_segmentation)
 
 # The tests' own packages are no need of a vehicle either.
