@@ -240,8 +240,11 @@ std::string nearestName(const std::string& unknown, const std::vector<std::strin
   std::string nearest;
   std::size_t least = std::max<std::size_t>(2, unknown.size() / 3) + 1;
   for (const std::string& name : known) {
-    const bool is_abbreviated = unknown.size() > 2 && name.rfind(unknown, 0) == 0;
-    const std::size_t distance = is_abbreviated ? 1 : editDistance(unknown, name);
+    // A part of a name is like it, above all its begin.
+    const std::size_t begin = unknown.size() > 2 ? name.find(unknown) : std::string::npos;
+    const std::size_t distance = begin == std::string::npos ? editDistance(unknown, name)
+                                 : begin == 0               ? 1
+                                                            : 2;
     if (distance < least) {
       least = distance;
       nearest = name;

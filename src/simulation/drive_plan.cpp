@@ -128,7 +128,7 @@ void DriveOptions::describe(FieldList& fields) {
   fields.add("threads", threads, "Threads that work; 0: one per core. The result does not depend on them", "",
              {0, kMostThreads});
   fields.group("Sensors");
-  fields.add("cameras", cameras, "Cameras by channel");
+  fields.add("cameras", cameras, "Cameras by channel; all: every one");
   fields.add("width", width, "Width of the images", "px", {64, 8192});
   fields.add("height", height, "Height of the images", "px", {36, 8192});
   fields.add("frames", frames, "Which images a camera takes");

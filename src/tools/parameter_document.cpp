@@ -118,10 +118,27 @@ std::string remarkOf(const Field& field) {
   return remark.empty() ? "" : " [" + remark + "]";
 }
 
+/// A comment of as many lines as it takes.
+std::string comment(const std::string& text, const std::string& indent) {
+  constexpr std::size_t kWidth = 110;
+  std::string lines;
+  std::string line = indent + "#";
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    if (line.size() + 1 + end - begin > kWidth) {
+      lines += line + "\n";
+      line = indent + "#";
+    }
+    line += " " + text.substr(begin, end - begin);
+    begin = end + 1;
+  }
+  return lines + line + "\n";
+}
+
 std::string yamlField(const Field& field, const std::string& indent, bool exists) {
-  std::string text = indent + "# " + field.text + remarkOf(field) + "\n";
+  std::string text = comment(field.text + remarkOf(field), indent);
   for (const auto& [name, meaning] : field.choices)
-    text += indent + "#   " + name + (*meaning == '\0' ? "" : std::string(": ") + meaning) + "\n";
+    text += comment(std::string("  ") + name + (*meaning == '\0' ? "" : std::string(": ") + meaning), indent);
   const FieldValue value = field.get();
   const bool is_set = !std::holds_alternative<std::monostate>(value);
   return text + indent + (exists && is_set ? "" : "# ") + field.name + ":" +
@@ -129,7 +146,7 @@ std::string yamlField(const Field& field, const std::string& indent, bool exists
 }
 
 std::string yamlDictionary(const FieldDictionary& dictionary) {
-  std::string text = std::string("\n  # ") + dictionary.text + "\n";
+  std::string text = "\n" + comment(dictionary.text, "  ");
   bool is_first = true;
   forEachEntry(dictionary, [&](const std::string& key, const FieldList& entry, bool exists) {
     const char* mark = exists ? "" : "# ";

@@ -158,6 +158,7 @@ TEST(Fields, GroupsFlagsAndNearestNames) {
   EXPECT_EQ(fields.nearestName("lamp"), "lamps");
   EXPECT_EQ(fields.nearestName("threshold"), "");
   EXPECT_EQ(fields.nearestName("num"), "numbers");
+  EXPECT_EQ(fields.nearestName("bers"), "numbers");
   EXPECT_EQ(fields.find("nowhere"), nullptr);
 }
 

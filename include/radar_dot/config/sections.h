@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "radar_dot/common/fields.h"
+#include "radar_dot/config/section.h"
 #include "radar_dot/objects/mask_regions.h"
 #include "radar_dot/objects/object_detection.h"
 #include "radar_dot/objects/object_tracker.h"
@@ -239,13 +240,6 @@ struct Configuration {
   DynamicSegmentationConfig dynamic_segmentation;
   MovingObjectsConfig moving_objects;
   OverlayConfig overlay;
-};
-
-/// One section of a configuration file.
-struct Section {
-  const char* name = "";     ///< of the section, and of the node in the launch files
-  const char* nodelet = "";  ///< its class
-  FieldList fields;
 };
 
 /// The sections of a configuration, which must outlive them, in the order of the data flow.
