@@ -8,6 +8,6 @@ endif()
 if(RADAR_DOT_HAS_TOOLS)
   add_executable(large_tables_benchmark large_tables_benchmark.cpp)
   radar_dot_configure(large_tables_benchmark)
-  # CLI11 goes when this program, too, reads its options with Boost.Program_options.
-  target_link_libraries(large_tables_benchmark PRIVATE radar_dot_dataset Boost::program_options fmt::fmt CLI11::CLI11)
+  target_include_directories(large_tables_benchmark PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(large_tables_benchmark PRIVATE radar_dot_dataset radar_dot_command_line fmt::fmt)
 endif()

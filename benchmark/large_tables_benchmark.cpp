@@ -9,15 +9,16 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "radar_dot/dataset/tables.h"
+#include "tools/command_line.h"
 
 namespace {
 
@@ -148,20 +149,30 @@ void measure(const fs::path& dataroot, const std::vector<std::string>& scenes, c
              tables.sample_data.size(), tables.ego_poses.size(), elapsed.count(), peakMegabytes());
 }
 
+struct Arguments {
+  std::uint64_t rows = 2'600'000, scenes = 850;
+  std::string folder = (fs::temp_directory_path() / "radar_dot_large_tables").string();
+
+  void describe(radar_dot::FieldList& fields) {
+    fields.add("rows", rows, "Rows of sample_data and of ego_pose");
+    fields.add("scenes", scenes, "Scenes the rows belong to");
+    fields.add("folder", folder, "Where to write the tables; removed afterwards");
+  }
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
-      "Loads generated nuScenes tables of the size of v1.0-trainval; prints seconds and peak memory");
-  std::uint64_t rows = 2'600'000;
-  std::uint64_t scenes = 850;
-  fs::path dataroot = fs::temp_directory_path() / "radar_dot_large_tables";
-  std::string folder = dataroot.string();
-  app.add_option("--rows", rows, "Rows of sample_data and of ego_pose");
-  app.add_option("--scenes", scenes, "Scenes the rows belong to");
-  app.add_option("--folder", folder, "Where to write the tables; removed afterwards");
-  CLI11_PARSE(app, argc, argv);
-  dataroot = folder;
+  Arguments arguments;
+  radar_dot::tools::CommandLine command_line(
+      "large_tables_benchmark",
+      "Loads generated nuScenes tables of the size of v1.0-trainval; prints seconds and peak memory.",
+      {"large_tables_benchmark", "large_tables_benchmark --rows 100000 --scenes 40"});
+  command_line.add("Options", radar_dot::fieldsOf(arguments));
+  if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;
+  const std::uint64_t rows = arguments.rows, scenes = arguments.scenes;
+  const std::string& folder = arguments.folder;
+  const fs::path dataroot = folder;
   if (scenes == 0 || rows < 100 * scenes || fs::exists(dataroot)) {
     fmt::print(stderr,
                "needs 1 or more scenes, 100 or more rows a scene and a folder that does not exist: {}\n",

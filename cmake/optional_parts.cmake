@@ -35,9 +35,7 @@ function(radar_dot_part name option)
   endif()
 endfunction()
 
-# CLI11 goes when the last tool reads its options with Boost.Program_options.
 find_package(Boost QUIET OPTIONAL_COMPONENTS program_options)
-find_package(CLI11 QUIET)
 find_package(RapidJSON QUIET)
 find_package(embree 3 QUIET)
 find_package(yaml-cpp QUIET)
@@ -48,7 +46,6 @@ radar_dot_part(simulation RADAR_DOT_WITH_SIMULATION
   TBB.tbbmalloc_proxy TBB::tbbmalloc_proxy libtbb-dev)
 radar_dot_part(tools RADAR_DOT_WITH_TOOLS
   Boost.Program_options Boost::program_options libboost-program-options-dev
-  CLI11 CLI11_FOUND libcli11-dev
   RapidJSON RapidJSON_FOUND rapidjson-dev
   yaml-cpp yaml-cpp_FOUND libyaml-cpp-dev)
 if(RADAR_DOT_HAS_TOOLS AND NOT RADAR_DOT_HAS_SIMULATION)

@@ -29,7 +29,7 @@ void DepthInputOptions::describe(FieldList& fields) {
 }
 
 void SavedMaskOptions::describe(FieldList& fields) {
-  fields.add("masks", directory, "Folder of masks that evaluate_segmentation saved");
+  fields.add("saved_masks", directory, "Folder of masks that evaluate_segmentation saved");
   fields.add("mask_channel", channel, "Channel of the camera of the masks");
   fields.add("mask_delay", delay,
              "Time from an image until its mask is available; 0.5 is what a vehicle has with pairs of "

@@ -1,15 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
-#include <exception>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
-#include "depth_options.h"
-#include "network_options.h"
+#include "evaluator.h"
 #include "radar_dot/evaluation/depth_evaluation.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "result_files.h"
@@ -18,80 +9,53 @@
 namespace {
 
 namespace dataset = radar_dot::dataset;
+namespace tools = radar_dot::tools;
+using radar_dot::fieldsOf;
 using radar_dot::evaluation::DepthEvaluationOptions;
 using radar_dot::evaluation::DepthReport;
 
-constexpr int kUsage = 2;
+constexpr const char* kTool = "evaluate_depth";
 
-struct Arguments {
-  std::string dataroot, version = "v1.0-mini";
-  std::vector<std::string> scenes;
-  radar_dot::tools::ResultFiles files;
-  DepthEvaluationOptions options;
-};
-
-void declare(CLI::App& app, Arguments& arguments) {
-  DepthEvaluationOptions& options = arguments.options;
-  app.add_option("--dataroot", arguments.dataroot, "Folder with the nuScenes tables and sensor files")
-      ->required();
-  app.add_option("--version", arguments.version, "Table folder")->capture_default_str();
-  app.add_option("--scenes", arguments.scenes, "Scene names, comma-separated (default: all)")->delimiter(',');
-  app.add_option("--channel", options.channel, "Camera")->capture_default_str();
-  app.add_option("--radars", options.radar_channels, "Radars, comma-separated (default: all)")
-      ->delimiter(',');
-  app.add_option("--truth", options.truth,
-                 "ground_truth (of a simulated dataroot); lidar: every second point of each beam, which "
-                 "--depth lidar then does not see")
-      ->capture_default_str();
-  app.add_option("--max-images", options.max_images, "The first ones of each scene; 0 = all")
-      ->check(CLI::Range(0, 1000000000))
-      ->capture_default_str();
-  radar_dot::tools::declareDepthSource(app, options.depth, options.depth_directory,
-                                       options.depth_radar_channels);
-  radar_dot::tools::declareGrid(app, options.working_width);
-  radar_dot::tools::declareDepthParams(app, options.depth_params);
-  radar_dot::tools::declareDevice(app, {&options.depth_params.network});
-  arguments.files.declare(app);
-}
-
-int run(const Arguments& arguments) {
-  arguments.files.check();
-  dataset::LoadOptions load;
-  load.version = arguments.version;
-  load.scenes = arguments.scenes;
-  const auto reports = radar_dot::tools::evaluateScenes<DepthReport, radar_dot::evaluation::NoImages>(
-      "evaluate_depth", dataset::Tables::load(arguments.dataroot, load), !arguments.scenes.empty(), "images",
-      [&arguments](const dataset::Tables& tables, dataset::Index scene) {
-        return evaluateDepth(tables, scene, arguments.options);
+int evaluate(const tools::SceneInput& input, const DepthEvaluationOptions& options,
+             const tools::ResultFiles& files, const std::string& parameters) {
+  files.check();
+  const auto reports = tools::evaluateScenes<DepthReport, radar_dot::evaluation::NoImages>(
+      kTool, input.load(), !input.scenes.empty(), "images",
+      [&options](const dataset::Tables& tables, dataset::Index scene) {
+        return evaluateDepth(tables, scene, options);
       });
   if (reports.overall.images == 0) {
     throw std::runtime_error(fmt::format(
-        "{}: none of the {} keyframe images has a LIDAR_TOP sweep on disk, as --truth lidar needs",
-        arguments.dataroot, reports.overall.without_truth));
+        "{}: none of the {} keyframe images has a LIDAR_TOP sweep on disk, as the truth lidar needs",
+        input.dataroot, reports.overall.without_truth));
   }
-  arguments.files.write(reports.scenes, reports.overall);
+  files.write(parameters, reports.scenes, reports.overall);
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  radar_dot::tools::letWaitingThreadsSleep();
-  CLI::App app("Scores the depth of camera images on a nuScenes dataroot, as JustDepth is scored.");
-  Arguments arguments;
-  declare(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "evaluate_depth: {} (see --help)\n", error.what());
-    return kUsage;
-  }
-  try {
-    return run(arguments);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "evaluate_depth: {}\n", error.what());
-    return 1;
-  }
+  tools::letWaitingThreadsSleep();
+  radar_dot::Configuration configuration;
+  tools::SceneInput input;
+  DepthEvaluationOptions options;
+  tools::ResultFiles files;
+  tools::CommandLine command_line(
+      kTool, "Scores the depth of camera images on a nuScenes dataroot, as JustDepth is scored.",
+      {"evaluate_depth --dataroot sim --version v1.0-sim --config config/simulation.yaml",
+       "evaluate_depth --dataroot /data/nuscenes --config config/nuscenes.yaml --depth-backend lidar --truth "
+       "lidar"});
+  command_line.setSections(sectionsOf(configuration));
+  command_line.add("", fieldsOf(input));
+  command_line.add("", fieldsOf(options));
+  command_line.add("", fieldsOf(configuration.depth));
+  command_line.add("", fieldsOf(configuration.ego_velocity), tools::onlyGroup("Returns"));
+  command_line.addOutputs("", fieldsOf(files));
+  command_line.require(tools::nameOf(input, &input.dataroot));
+  return tools::runEvaluator(command_line, kTool, argc, argv, [&] {
+    options.ego_velocity = configuration.ego_velocity;
+    options.depth = configuration.depth;
+    return evaluate(input, options, files, command_line.parametersJson());
+  });
 }

@@ -1,20 +1,13 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <cstddef>
-#include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "depth_options.h"
-#include "motion_options.h"
-#include "network_options.h"
+#include "evaluator.h"
 #include "radar_dot/evaluation/ablation.h"
-#include "radar_dot/evaluation/ego_velocity_evaluation.h"
 #include "radar_dot/evaluation/loop_comparison.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "result_files.h"
@@ -23,143 +16,43 @@
 namespace {
 
 namespace dataset = radar_dot::dataset;
+namespace tools = radar_dot::tools;
+using radar_dot::fieldsOf;
 using radar_dot::evaluation::AblationResult;
 using radar_dot::evaluation::LoopResult;
 using radar_dot::evaluation::SegmentationEvaluationOptions;
 using radar_dot::evaluation::SegmentationReport;
 
-constexpr int kUsage = 2;
+constexpr const char* kTool = "evaluate_segmentation";
 
 struct Arguments {
-  std::string dataroot, version = "v1.0-mini";
-  std::vector<std::string> scenes, merge;
+  tools::SceneInput input;
+  std::vector<std::string> merge;
   int jobs = 1;
-  bool compare_loop = false;
-  bool ablation = false, best = false;
-  std::string initialisation;
-  radar_dot::tools::ResultFiles files;
+  bool compare_loop = false, ablation = false, best = false;
+  tools::ResultFiles files;
   SegmentationEvaluationOptions options;
+
+  void describe(radar_dot::FieldList& fields) {
+    input.describe(fields);
+    fields.add("merge", merge, "Reports of other runs (--json) that become one table, instead of a dataroot");
+    fields.add("jobs", jobs, "Scenes that are evaluated at a time", "", {1, 1024});
+    options.describe(fields);
+    fields.group("Comparison");
+    fields.add(
+        "ablation", ablation,
+        "From the paper's masks to the best, step by step: score by uncertainty, refined motion, radar "
+        "evidence, previous pair, memory; one table, and in --json");
+    fields.add("best", best,
+               "All that --ablation adds: --score uncertainty --forward-backward --refine --refine-ground "
+               "--look-back "
+               "--memory 0.4");
+    fields.add(
+        "compare_loop", compare_loop,
+        "Run with neither of --mask-to-velocity and --radar-gain (its default where it is 0), with each and "
+        "with both, and compare them in a table, and in --json");
+  }
 };
-
-void declareInputs(CLI::App& app, Arguments& arguments) {
-  SegmentationEvaluationOptions& options = arguments.options;
-  app.add_option("--dataroot", arguments.dataroot,
-                 "Folder with the nuScenes tables and sensor files; needed without --merge");
-  app.add_option("--version", arguments.version, "Table folder")->capture_default_str();
-  app.add_option("--scenes", arguments.scenes, "Scene names, comma-separated (default: all)")->delimiter(',');
-  app.add_option("--channel", options.channel, "Camera")->capture_default_str();
-  app.add_option("--radars", options.radar_channels, "Radars, comma-separated (default: all)")
-      ->delimiter(',');
-  app.add_option("--pairs", options.pairs,
-                 "keyframes: to the next keyframe (the paper); next: to the next image")
-      ->capture_default_str();
-  app.add_option("--max-pairs", options.max_pairs, "The first ones of each scene; 0 = all")
-      ->check(CLI::Range(0, 1000000000))
-      ->capture_default_str();
-  app.add_option("--flow", options.flow, "dis, torch, ground_truth, files")->capture_default_str();
-  app.add_option("--flow-directory", options.flow_directory, "Folder of 16-bit PNG flows, for --flow files");
-  radar_dot::tools::declareDepthSource(app, options.depth, options.depth_directory,
-                                       options.depth_radar_channels);
-  app.add_option("--velocity", options.velocity, "radar, radar_start, ground_truth")->capture_default_str();
-  app.add_option("--rotation", options.rotation, "ground_truth (the paper), radar")->capture_default_str();
-  radar_dot::tools::declareGrid(app, options.working_width);
-  app.add_option("--doppler-scale", options.extraction.doppler_scale, "Factor on every Doppler velocity")
-      ->check(CLI::Range(-10.0, 10.0))
-      ->capture_default_str();
-  app.add_option(
-         "--bearing-delay", options.bearing_delay,
-         "s, by which the bearings of returns are later than their velocities; 0 for simulated scenes")
-      ->check(CLI::Range(-1.0, 1.0))
-      ->capture_default_str();
-  app.add_option(
-         "--min-true-residual", options.min_true_residual,
-         "px; movers whose true flow differs less from a static world's, or that the second image does not "
-         "show, do not count, nor do road users that creep too slowly to be annotated as moving. Needs "
-         "ground truth")
-      ->capture_default_str();
-}
-
-void declareMethod(CLI::App& app, Arguments& arguments) {
-  SegmentationEvaluationOptions& options = arguments.options;
-  radar_dot::MotionParams& motion = options.motion;
-  app.add_option("--k", motion.k, "MADs above the median")->capture_default_str();
-  app.add_option("--lambda", motion.lambda, "Weight of the depth residual")->capture_default_str();
-  app.add_option("--min-depth", motion.min_depth, "Z_min, m")->capture_default_str();
-  app.add_option("--foe-std", motion.foe_std, "sigma_FOE, px")->capture_default_str();
-  app.add_option("--occlusion-margin", motion.occlusion_margin, "Share of the depth that counts as hidden")
-      ->capture_default_str();
-  app.add_option_function<double>(
-         "--max-depth",
-         [&options](double depth) { options.motion.max_depth = options.depth_params.max_depth = depth; },
-         "m; farther is unknown, to the score and to the depth backends")
-      ->default_val(motion.max_depth);
-  app.add_option("--opening", motion.opening, "px")->capture_default_str();
-  app.add_option("--closing", motion.closing, "px")->capture_default_str();
-  app.add_option("--min-threshold", motion.min_threshold, "Least threshold of the score")
-      ->capture_default_str();
-  app.add_flag("--predicted-in-view,!--no-predicted-in-view", motion.predicted_in_view,
-               "Exclude pixels whose prediction leaves the image (default: on)");
-  radar_dot::tools::declareScore(app, motion);
-  radar_dot::tools::declareRefinement(app, options.refine, options.motion_uncertainty);
-  app.add_flag("--depth-uncertainty,!--no-depth-uncertainty", options.depth_uncertainty,
-               "Use what the depth says of its uncertainty, pixel by pixel, instead of --depth-std (default: "
-               "off; uncertainty, --refine)");
-  app.add_flag("--look-back,!--no-look-back", options.look_back,
-               "See the first image also together with the one before (default: off; uncertainty)");
-  app.add_option("--memory", options.memory,
-                 "s, after which what the mask before said is worth 1 / e; 0 = off (uncertainty)")
-      ->capture_default_str();
-  radar_dot::OpticalFlowParams& flow = options.optical_flow;
-  app.add_option("--preset", flow.preset, "ultrafast, fast, medium, fine (dis)")->capture_default_str();
-  app.add_option("--initialisation", arguments.initialisation,
-                 "none, expected (flow of a static world); default: expected for dis, none for others");
-  app.add_flag("--forward-backward,!--no-forward-backward", flow.forward_backward,
-               "Exclude pixels whose forward and backward flow does not close (default: off)");
-  radar_dot::tools::declareDepthParams(app, options.depth_params);
-  radar_dot::tools::declareFlowNetwork(app, flow);
-  radar_dot::tools::declareDevice(app, {&flow.network, &options.depth_params.network});
-}
-
-void declareLoop(CLI::App& app, Arguments& arguments) {
-  SegmentationEvaluationOptions& options = arguments.options;
-  app.add_flag("--mask-to-velocity,!--no-mask-to-velocity", options.mask_to_velocity,
-               "Returns in the latest mask are dynamic in the next velocity estimates (default: off)");
-  app.add_option("--max-mask-age", options.max_mask_age,
-                 "s, from the image of a mask to the scan (--mask-to-velocity)")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
-  app.add_option("--radar-gain", options.motion.radar_gain,
-                 "Dynamic returns raise the score by this factor, less 1; 0 = off")
-      ->capture_default_str();
-  app.add_option("--radar-radius", options.motion.radar_radius, "m, around a dynamic return")
-      ->capture_default_str();
-  app.add_flag("--compare-loop", arguments.compare_loop,
-               "Run with neither of --mask-to-velocity and --radar-gain (its default where it is 0), with "
-               "each and with "
-               "both, and compare them in a table, and in --json");
-}
-
-void declareAblation(CLI::App& app, Arguments& arguments) {
-  app.add_flag("--ablation", arguments.ablation,
-               "From the paper's masks to the best, step by step: the score by uncertainty, refined motion, "
-               "radar evidence, the previous pair, memory; one table, and in --json")
-      ->excludes("--compare-loop");
-  app.add_flag("--best", arguments.best,
-               "All that --ablation adds: --score uncertainty --forward-backward --refine --look-back "
-               "--memory 0.4")
-      ->excludes("--ablation");
-}
-
-void declareOutputs(CLI::App& app, Arguments& arguments) {
-  arguments.files.declare(app);
-  app.add_option("--save-masks", arguments.options.mask_directory, "Write every mask to this folder, as PNG");
-  app.add_option("--jobs", arguments.jobs, "Scenes at a time")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  app.add_option("--merge", arguments.merge,
-                 "Results of other runs (--json) that become one table; nothing is run")
-      ->excludes("--dataroot");
-}
 
 /// The reports by scene, and where it was asked for, the comparison.
 struct Results {
@@ -176,23 +69,21 @@ SegmentationReport sumOf(const std::vector<SegmentationReport>& reports) {
 }
 
 Results evaluateAll(const Arguments& arguments) {
-  dataset::LoadOptions load;
-  load.version = arguments.version;
-  load.scenes = arguments.scenes;
-  dataset::Tables tables = dataset::Tables::load(arguments.dataroot, load);
+  dataset::Tables tables = arguments.input.load();
   if (!dataset::hasInstanceMasks(tables)) {
     throw std::runtime_error(
         fmt::format("{}/{}/nuinsseg.json: is not there; get nuInsSeg for the masks of nuScenes, or simulate "
                     "(simulate_drive)",
-                    arguments.dataroot, arguments.version));
+                    arguments.input.dataroot, arguments.input.version));
   }
   const std::vector<dataset::InstanceMask> masks = dataset::readInstanceMasks(tables);
   const SegmentationEvaluationOptions& options = arguments.options;
   if (!options.mask_directory.empty()) std::filesystem::create_directories(options.mask_directory);
   std::vector<SegmentationEvaluationOptions> variants = {options};
   std::size_t own = 0;
-  if (arguments.compare_loop && arguments.options.velocity == "ground_truth") {
-    throw std::invalid_argument("--compare-loop needs a velocity by radar, not --velocity ground_truth");
+  if (arguments.compare_loop) {
+    radar_dot::require(options.velocity != radar_dot::evaluation::VelocitySource::kGroundTruth,
+                       fieldsOf(options), {&options.velocity}, "--compare-loop needs a velocity by radar");
   }
   if (arguments.ablation) {
     variants.clear();
@@ -204,11 +95,12 @@ Results evaluateAll(const Arguments& arguments) {
     own = radar_dot::evaluation::ownVariant(options);
   }
   radar_dot::tools::SegmentationRunner runner(tables, masks, variants, arguments.jobs,
-                                              !arguments.scenes.empty() || tables.scenes.size() == 1);
+                                              !arguments.input.scenes.empty() || tables.scenes.size() == 1);
   const std::vector<std::vector<SegmentationReport>> reports = runner.run();
   for (const std::string& line : runner.leftOut())
-    fmt::print(stderr, "evaluate_segmentation: warning: left out {}\n", line);
-  if (reports[own].empty()) throw std::runtime_error(arguments.dataroot + ": no scene has images on disk");
+    fmt::print(stderr, "{}: warning: left out {}\n", kTool, line);
+  if (reports[own].empty())
+    throw std::runtime_error(arguments.input.dataroot + ": no scene has images on disk");
   Results results{reports[own], sumOf(reports[own]), {}, {}};
   if (arguments.ablation) {
     const std::vector<radar_dot::evaluation::AblationStep> steps =
@@ -219,7 +111,7 @@ Results evaluateAll(const Arguments& arguments) {
   if (!arguments.compare_loop) return results;
   for (std::size_t i = 0; i < variants.size(); ++i) {
     results.loop.push_back(
-        {variants[i].mask_to_velocity, variants[i].motion.radar_gain != 0.0, sumOf(reports[i])});
+        {variants[i].mask_to_velocity, variants[i].segmentation.motion.radar_gain != 0.0, sumOf(reports[i])});
   }
   return results;
 }
@@ -230,17 +122,18 @@ Results merge(const std::vector<std::string>& files) {
           radar_dot::evaluation::mergeAblation(files)};
 }
 
-int run(const Arguments& arguments) {
+int run(const Arguments& arguments, const std::string& parameters) {
   arguments.files.check();
   const Results results = arguments.merge.empty() ? evaluateAll(arguments) : merge(arguments.merge);
   if (!results.ablation.empty()) {
-    arguments.files.write(formatJson(results.scenes, results.overall, results.ablation),
+    arguments.files.write(parameters, formatJson(results.scenes, results.overall, results.ablation),
                           formatCsv(results.scenes, results.overall), formatAblationTable(results.ablation));
   } else if (results.loop.empty()) {
-    arguments.files.write(results.scenes, results.overall);
+    arguments.files.write(parameters, results.scenes, results.overall);
   } else {
     arguments.files.write(
-        formatJson(results.scenes, results.overall, results.loop), formatCsv(results.scenes, results.overall),
+        parameters, formatJson(results.scenes, results.overall, results.loop),
+        formatCsv(results.scenes, results.overall),
         formatTable(results.scenes, results.overall) + "\n" + formatLoopTable(results.loop));
   }
   return 0;
@@ -249,44 +142,50 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  radar_dot::tools::letWaitingThreadsSleep();
-  CLI::App app("Scores dynamic masks against nuInsSeg on a nuScenes dataroot, as the paper's Table I.");
+  tools::letWaitingThreadsSleep();
+  radar_dot::Configuration configuration;
   Arguments arguments;
-  arguments.options.extraction.doppler_scale = radar_dot::evaluation::kNuscenesDopplerScale;
-  arguments.options.bearing_delay = radar_dot::evaluation::kNuscenesBearingDelay;
-  declareInputs(app, arguments);
-  declareMethod(app, arguments);
-  declareLoop(app, arguments);
-  declareAblation(app, arguments);
-  declareOutputs(app, arguments);
-  try {
-    app.parse(argc, argv);
-    if (arguments.dataroot.empty() && arguments.merge.empty())
-      throw CLI::RequiredError("--dataroot (or --merge)");
-    // Half a second between keyframes is more than dis finds from nothing; networks do.
-    if (arguments.initialisation.empty())
-      arguments.initialisation = arguments.options.flow == "dis" ? "expected" : "none";
-    arguments.options.optical_flow.initialisation = arguments.initialisation;
-    if (arguments.best) arguments.options = radar_dot::evaluation::bestOptions(arguments.options);
-    // What is not known of the ground is one thing, to its depth and to the motion by the image.
-    const radar_dot::DepthParams& depth = arguments.options.depth_params;
-    radar_dot::RefinementParams& refinement = arguments.options.refinement;
-    refinement.ground_pitch_std = depth.ground_pitch_std;
-    refinement.ground_height_std = depth.ground_height_std;
-    refinement.ground_depth_std = depth.ground_relative_std;
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "evaluate_segmentation: {} (see --help)\n", error.what());
-    return kUsage;
-  }
-  try {
-    return run(arguments);
-  } catch (const radar_dot::tools::Interrupted& interrupt) {
-    fmt::print(stderr, "evaluate_segmentation: interrupted; no results are written\n");
-    return radar_dot::tools::kSignalBase + interrupt.signal;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "evaluate_segmentation: {}\n", error.what());
-    return 1;
-  }
+  tools::CommandLine command_line(
+      kTool, "Scores dynamic masks against nuInsSeg on a nuScenes dataroot, as the paper's Table I.",
+      {"evaluate_segmentation --dataroot /data/nuscenes --config config/nuscenes.yaml --scenes scene-0103 "
+       "--best",
+       "evaluate_segmentation --dataroot sim --version v1.0-sim --config config/simulation.yaml --config "
+       "config/masks.yaml --pairs next"});
+  command_line.setSections(sectionsOf(configuration));
+  command_line.add("", fieldsOf(arguments));
+  command_line.add("", fieldsOf(configuration.dynamic_segmentation));
+  command_line.add("", fieldsOf(configuration.optical_flow));
+  command_line.add("", fieldsOf(configuration.depth));
+  command_line.add("", fieldsOf(configuration.ego_velocity),
+                   [&](const radar_dot::Field& field) { return std::string(field.group) != "Filter"; });
+  command_line.addOutputs("", fieldsOf(arguments.files));
+  const auto name_of = [&arguments](const void* member) { return tools::nameOf(arguments, member); };
+  const std::string dataroot = name_of(&arguments.input.dataroot);
+  command_line.require(dataroot, name_of(&arguments.merge), [&] { return arguments.merge.empty(); });
+  command_line.exclude(name_of(&arguments.merge), dataroot);
+  command_line.exclude(name_of(&arguments.ablation), name_of(&arguments.compare_loop));
+  command_line.exclude(name_of(&arguments.ablation), name_of(&arguments.best));
+  return tools::runEvaluator(command_line, kTool, argc, argv, [&] {
+    SegmentationEvaluationOptions& options = arguments.options;
+    radar_dot::OpticalFlowParams& flow = configuration.optical_flow.flow;
+    // Half a second between keyframes is more than dis finds from zero; networks do.
+    if (!command_line.givenMember(&flow.initialisation) &&
+        flow.backend == radar_dot::OpticalFlowParams{}.backend)
+      flow.initialisation = radar_dot::FlowStart::kExpected;
+    options.ego_velocity = configuration.ego_velocity;
+    options.optical_flow = configuration.optical_flow;
+    options.depth = configuration.depth;
+    options.segmentation = configuration.dynamic_segmentation;
+    if (arguments.best) {
+      options = radar_dot::evaluation::bestOptions(options);
+      configuration.optical_flow = options.optical_flow;
+      configuration.dynamic_segmentation = options.segmentation;
+    }
+    try {
+      return run(arguments, command_line.parametersJson());
+    } catch (const tools::Interrupted& interrupt) {
+      fmt::print(stderr, "{}: interrupted; no results are written\n", kTool);
+      return tools::kSignalBase + interrupt.signal;
+    }
+  });
 }

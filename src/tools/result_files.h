@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "parameter_report.h"
+#include "radar_dot/common/fields.h"
 #include "radar_dot/evaluation/report.h"
 
 namespace radar_dot::tools {
@@ -16,25 +17,28 @@ namespace radar_dot::tools {
 struct ResultFiles {
   std::string json, csv;  ///< empty: not written
 
-  void declare(CLI::App& app) {
-    app.add_option("--json", json, "Write the results to this JSON file");
-    app.add_option("--csv", csv, "Write the results to this CSV file");
+  void describe(FieldList& fields) {
+    fields.group("Output");
+    fields.add("json", json,
+               "JSON file for the results and all parameters in force; --config takes it to repeat the run");
+    fields.add("csv", csv, "CSV file for the results");
   }
 
-  /// To be called before the work. @throws std::invalid_argument where both name one file.
+  /// To be called before the work. @throws InvalidParameter where both name one file.
   void check() const {
-    if (!json.empty() && json == csv)
-      throw std::invalid_argument("--json and --csv name the same file, " + json);
+    require(json.empty() || json != csv, fieldsOf(*this), {&json, &csv}, "they must differ");
   }
 
+  /// @param parameters  see CommandLine::parametersJson
   /// @throws std::runtime_error naming the file, or standard output, that cannot be written.
   template <typename Report>
-  void write(const std::vector<Report>& scenes, const Report& overall) const {
-    write(formatJson(scenes, overall), formatCsv(scenes, overall), formatTable(scenes, overall));
+  void write(const std::string& parameters, const std::vector<Report>& scenes, const Report& overall) const {
+    write(parameters, formatJson(scenes, overall), formatCsv(scenes, overall), formatTable(scenes, overall));
   }
   /// The same of texts.
-  void write(const std::string& json_text, const std::string& csv_text, const std::string& table) const {
-    if (!json.empty()) evaluation::writeFile(json, json_text);
+  void write(const std::string& parameters, const std::string& json_text, const std::string& csv_text,
+             const std::string& table) const {
+    if (!json.empty()) evaluation::writeFile(json, withParameters(json_text, parameters));
     if (!csv.empty()) evaluation::writeFile(csv, csv_text);
     if (std::fwrite(table.data(), 1, table.size(), stdout) != table.size() || std::fflush(stdout) != 0)
       throw std::runtime_error("the table cannot be written to standard output");
