@@ -42,6 +42,25 @@ void describeUseMask(bool& use_mask, FieldList& fields) {
   fields.add("use_mask", use_mask, "Subscribe dynamic/mask, and use what it shows as moving");
 }
 
+/// @throws InvalidParameter naming the entry, so that the others can be used
+void validateRadars(const EgoVelocityConfig& config) {
+  const std::string dictionary = fieldsOf(config).dictionaries().front().name;
+  for (const auto& [name, entry] : config.radars) {
+    const std::string place = dictionary + "/" + name;
+    const FieldList fields = fieldsOf(entry);
+    if (entry.topic.empty()) {
+      throw InvalidParameter({place}, place + "/" + fields.of(&entry.topic).name +
+                                          " is empty, must be the name of a PointCloud2 topic");
+    }
+    try {
+      checkFields(fields);
+      require(entry.doppler_scale != 0.0, fields, {&entry.doppler_scale}, "it must not be zero");
+    } catch (const InvalidParameter& error) {
+      throw InvalidParameter({place}, place + "/" + error.what());
+    }
+  }
+}
+
 }  // namespace
 
 void RadarEntry::describe(FieldList& fields) {
@@ -86,6 +105,7 @@ void validate(const EgoVelocityConfig& config) {
   validateFields(config);
   validate(config.extraction);
   validate(config.footprint);
+  validateRadars(config);
 }
 
 void RotationParams::describe(FieldList& fields) {

@@ -11,7 +11,9 @@ namespace radar_dot {
 class DecodeImageNodelet : public StreamNodelet {
  private:
   void onInit() override {
-    setUp("decoder");
+    const GivenConfig<StreamParams> given = readConfig<StreamParams>(getPrivateNodeHandle());
+    setUp("decoder", given.config);
+    for (const std::string& line : given.problems.lines) noteProblem(line);
     publisher_ = getNodeHandle().advertise<sensor_msgs::Image>("image", 2);
     input_ = &addInput("image");
     connectWhile([this] { return publisher_.getNumSubscribers() > 0; },

@@ -9,16 +9,22 @@
 #include <stdexcept>
 #include <utility>
 
-#include "vision_parameters.h"
+#include "read_parameters.h"
 
 namespace radar_dot {
 namespace {
 
-std::unique_ptr<DepthEstimator> checked(const DepthConfig& config) {
-  DepthParams params = depthParams(config);
-  // The other parameters of an external depth are checked all the same.
-  if (config.backend == kTopicBackend) params.backend = DepthParams{}.backend;
-  return makeDepthEstimator(params);
+/// @throws InvalidParameter for a backend that cannot be made: naming what chooses it
+std::unique_ptr<DepthEstimator> estimatorOf(const DepthParams& params) {
+  try {
+    return makeDepthEstimator(params);
+  } catch (const InvalidParameter&) {
+    throw;
+  } catch (const std::exception& error) {
+    const std::vector<const void*> members = {&params.backend, &params.network.model, &params.network.device,
+                                              &params.network.threads};
+    throw InvalidParameter(namesOf(params, members), error.what());
+  }
 }
 
 /// What is no depth becomes NaN. @return share of the pixels that is known
@@ -41,12 +47,12 @@ double clean(cv::Mat& depth, double max_depth) {
 }  // namespace
 
 void DepthNodelet::onInit() {
-  setUp("depth");
+  const GivenConfig<DepthConfig> given = readConfig<DepthConfig>(getPrivateNodeHandle());
+  config_ = given.config;
+  setUp("depth", config_.stream);
   ros::NodeHandle& handle = getNodeHandle();
-  ros::NodeHandle& private_handle = getPrivateNodeHandle();
   const auto warn_of_sensor = [this](const std::string& text) { warn("sensor", text); };
-  extrinsics_ =
-      std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
+  extrinsics_ = std::make_unique<Extrinsics>(config_.stream.base_frame, handle);
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [] {}, [this](const std::string& text) { warn("rotation", text); });
   radar_clouds_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
@@ -57,33 +63,45 @@ void DepthNodelet::onInit() {
   depth_input_ = &addInput("depth/input");
   lidar_input_ = &addInput("lidar");
   twist_input_ = &addInput("ego/twist", false);
-  radars_ = addRadars("radar_topics", {"radar/static", "radar/dynamic"});
-  network_radars_ = addRadars("network_radar_topics", {"radar_front"});
+  radars_ = addRadars(config_.radar_topics);
+  network_radars_ = addRadars(config_.network_radar_topics);
   publisher_ = handle.advertise<sensor_msgs::Image>("depth", 3);
   uncertainty_publisher_ = handle.advertise<sensor_msgs::Image>("depth/uncertainty", 3);
   checkTransport();
+  serve<DepthConfig>(given, [this](const DepthConfig& config) { apply(config); });
   connectWhile([this] { return publisher_.getNumSubscribers() > 0 || wantsUncertainty(); },
                [this] { connectInputs(); }, [this] { disconnectInputs(); });
-  server_ = serve<DepthConfig>([this](const DepthConfig& config) { checked_estimator_ = checked(config); },
-                               [this](const DepthConfig& config) { configure(config); },
-                               {{"backend", "model", "device"}});
 }
 
-std::vector<DepthNodelet::RadarTopic> DepthNodelet::addRadars(const std::string& parameter,
-                                                              std::vector<std::string> topics) {
-  getPrivateNodeHandle().param(parameter, topics, topics);
+std::vector<DepthNodelet::RadarTopic> DepthNodelet::addRadars(const std::vector<std::string>& topics) {
   std::vector<RadarTopic> radars;
-  for (const std::string& topic : topics) radars.push_back({topic, &addInput(topic, false)});
+  for (const std::string& topic : topics) {
+    const std::string defect = topicDefect(getNodeHandle(), topic);
+    if (defect.empty()) {
+      radars.push_back({topic, &addInput(topic, false)});
+    } else {
+      const bool for_networks = &topics == &config_.network_radar_topics;
+      const char* name = for_networks ? nameOf(config_, config_.network_radar_topics)
+                                      : nameOf(config_, config_.radar_topics);
+      reportProblem(std::string(name) + ": '" + topic + "' is left out: " + defect);
+    }
+  }
   return radars;
 }
 
-void DepthNodelet::configure(const DepthConfig& config) {
+void DepthNodelet::apply(const DepthConfig& config) {
+  // A network takes seconds to load, and may fail to: then nothing has changed.
+  if (config.isExternal()) {
+    estimator_.reset();
+  } else if (!estimator_ || !sameFields(config_.depth, config.depth)) {
+    estimator_ = estimatorOf(config.depth);
+  }
   config_ = config;
-  estimator_ = config.backend == kTopicBackend ? nullptr : makeDepthEstimator(depthParams(config));
-  checked_estimator_.reset();
-  if (connected() && connected_backend_ != config.backend) {
-    disconnectInputs();
-    connectInputs();
+  if (connected() && connected_backend_ != config.depth.backend) {
+    attempt([this] {
+      disconnectInputs();
+      connectInputs();
+    });
   }
 }
 
@@ -102,21 +120,21 @@ void DepthNodelet::disconnectInputs() {
 
 void DepthNodelet::connectInputs() {
   last_depth_ = ros::WallTime::now();
-  connected_backend_ = config_.backend;
-  if (!estimator_) {
+  connected_backend_ = config_.depth.backend;
+  if (config_.isExternal()) {
     subscribers_.push_back(
         listen<sensor_msgs::Image>(*depth_input_, "depth/input", 2,
                                    [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); }));
     return;
   }
-  image_subscriber_ =
-      listenToImages(*image_, 3, [this](LazyImage picture) { onImage(std::move(picture)); });
+  image_subscriber_ = listenToImages(*image_, 3, [this](LazyImage picture) { onImage(std::move(picture)); });
   subscribers_.push_back(listenToCamera(*camera_input_, camera_));
   subscribers_.push_back(listenToTwists(*twist_input_, *motion_));
+  if (!estimator_) return;  // images are refused with the reason
   const DepthNeeds needs = estimator_->needs();
   if (needs.lidar) subscribers_.push_back(listenToClouds(*lidar_input_, "lidar", *lidar_clouds_));
   if (!needs.radar) return;
-  for (const auto& [topic, input] : config_.backend == "torch" ? network_radars_ : radars_)
+  for (const auto& [topic, input] : needs.trained_radars_only ? network_radars_ : radars_)
     subscribers_.push_back(listenToClouds(*input, topic, *radar_clouds_));
 }
 
@@ -129,6 +147,7 @@ void DepthNodelet::clearHistory() {
 void DepthNodelet::onImage(LazyImage picture) {
   const ros::WallTime start = ros::WallTime::now();
   const std_msgs::Header header = picture.header();
+  if (!estimator_) throw std::invalid_argument("no depth: " + configurationError());
   if (!camera_) throw std::invalid_argument("nothing on '" + camera_input_->topic() + "' yet");
   const CameraIntrinsics camera = cameraOf(*camera_);
   if (isDistorted(*camera_)) {
@@ -148,13 +167,14 @@ void DepthNodelet::onImage(LazyImage picture) {
     input.lidar_points = lidar_clouds_->positionsAt(header.stamp, config_.lidar_max_age);
     if (input.lidar_points.empty()) {
       throw std::invalid_argument("no sweep on '" + lidar_input_->topic() + "' within " +
-                                  std::to_string(config_.lidar_max_age) + " s of it (lidar_max_age)");
+                                  std::to_string(config_.lidar_max_age) + " s of it (" +
+                                  nameOf(config_, config_.lidar_max_age) + ")");
     }
   }
   if (needs.radar) input.radar_points = radar_clouds_->positionsAt(header.stamp, config_.radar_max_age);
   points_ = input.lidar_points.size() + input.radar_points.size();
   cv::Mat depth = estimator_->estimate(input);
-  known_share_ = clean(depth, config_.max_depth);
+  known_share_ = clean(depth, config_.depth.max_depth);
   const cv::Mat relative_std = wantsUncertainty() ? estimator_->relativeStd(input, depth) : cv::Mat();
   computation_time_ = (ros::WallTime::now() - start).toSec();
   publish(header, depth, relative_std);
@@ -168,9 +188,10 @@ void DepthNodelet::onDepth(const sensor_msgs::ImageConstPtr& message) {
   // Nearest: between an object and what is behind it there is nothing.
   cv::resize(given, depth, grid, 0.0, 0.0, cv::INTER_NEAREST);
   if (depth.data == given.data) depth = given.clone();
-  known_share_ = clean(depth, config_.max_depth);
+  known_share_ = clean(depth, config_.depth.max_depth);
   computation_time_ = (ros::WallTime::now() - start).toSec();
-  publish(message->header, depth, wantsUncertainty() ? constantStd(depth, config_.relative_std) : cv::Mat());
+  publish(message->header, depth,
+          wantsUncertainty() ? constantStd(depth, config_.depth.relative_std) : cv::Mat());
 }
 
 void DepthNodelet::publish(const std_msgs::Header& header, const cv::Mat& depth,
@@ -192,7 +213,7 @@ void DepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   } else if (computed_ > 0 && known_share_ == 0.0) {
     status.summary(DiagnosticStatus::WARN, "no pixel of the latest depth is known");
   } else {
-    status.summary(DiagnosticStatus::OK, "backend " + config_.backend);
+    status.summary(DiagnosticStatus::OK, "backend " + config_.depth.backend);
   }
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
   status.addf("known share", "%.2f", known_share_);

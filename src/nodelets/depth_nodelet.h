@@ -9,7 +9,7 @@
 #include "cloud_points.h"
 #include "ego_motion.h"
 #include "image_subscriber.h"
-#include "radar_dot/DepthConfig.h"
+#include "radar_dot/config/sections.h"
 #include "radar_dot/vision/depth_estimator.h"
 #include "stamp_cache.h"
 
@@ -26,9 +26,9 @@ class DepthNodelet : public ImageSubscriber {
   };
 
   void onInit() override;
-  /// The topics of a private parameter, as inputs.
-  std::vector<RadarTopic> addRadars(const std::string& parameter, std::vector<std::string> topics);
-  void configure(const DepthConfig& config);
+  /// The topics of a parameter, as inputs; those that cannot be subscribed are reported and left out.
+  std::vector<RadarTopic> addRadars(const std::vector<std::string>& topics);
+  void apply(const DepthConfig& config);
   void connectInputs();
   void disconnectInputs();
   void clearHistory() override;
@@ -40,12 +40,10 @@ class DepthNodelet : public ImageSubscriber {
   void publish(const std_msgs::Header& header, const cv::Mat& depth, const cv::Mat& relative_std);
   bool wantsUncertainty() const { return uncertainty_publisher_.getNumSubscribers() > 0; }
 
-  DepthConfig config_ = DepthConfig::__getDefault__();
+  DepthConfig config_;             // in force
   std::string connected_backend_;  // whose inputs are subscribed
   ros::WallTime last_depth_;
-  std::unique_ptr<DepthEstimator> estimator_;  // none: the backend "topic"
-  std::unique_ptr<DepthEstimator>
-      checked_estimator_;  // until it is in use: its network need not be loaded twice
+  std::unique_ptr<DepthEstimator> estimator_;  // none: the depth is external, or no backend could be made
 
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
@@ -55,11 +53,10 @@ class DepthNodelet : public ImageSubscriber {
   InputMonitor *image_ = nullptr, *camera_input_ = nullptr, *twist_input_ = nullptr, *lidar_input_ = nullptr,
                *depth_input_ = nullptr;
   std::vector<RadarTopic> radars_;
-  std::vector<RadarTopic> network_radars_;  // of the backend "torch": what its networks are trained with
+  std::vector<RadarTopic> network_radars_;  // for networks that were trained with these alone
   std::vector<ros::Subscriber> subscribers_;
   ros::Subscriber image_subscriber_;
   ros::Publisher publisher_, uncertainty_publisher_;
-  std::unique_ptr<dynamic_reconfigure::Server<DepthConfig>> server_;
 
   double computation_time_ = 0.0, known_share_ = 0.0;  // of the latest depth
   std::size_t computed_ = 0, points_ = 0;

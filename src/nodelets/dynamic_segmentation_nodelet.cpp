@@ -9,11 +9,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "parameters.h"
 #include "radar_dot/vision/motion_refinement.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "refined_twist.h"
-#include "vision_parameters.h"
+#include "twist_uncertainty.h"
 
 namespace radar_dot {
 namespace {
@@ -24,32 +23,33 @@ constexpr double kWaitingPeriod = 0.05;  // s, how often waiting flows are looke
 }  // namespace
 
 void DynamicSegmentationNodelet::onInit() {
-  setUp("segmentation");
+  const GivenConfig<DynamicSegmentationConfig> given =
+      readConfig<DynamicSegmentationConfig>(getPrivateNodeHandle());
+  config_ = given.config;
+  setUp("segmentation", config_.stream);
   ros::NodeHandle& handle = getNodeHandle();
-  ros::NodeHandle& private_handle = getPrivateNodeHandle();
-  base_frame_ = private_handle.param<std::string>("base_frame", "base_link");
-  extrinsics_ = std::make_unique<Extrinsics>(base_frame_, handle);
+  extrinsics_ = std::make_unique<Extrinsics>(config_.stream.base_frame, handle);
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [this] { processQueue(); }, [this](const std::string& text) { warn("rotation", text); },
       true);
-  dynamic_returns_ = std::make_unique<RecentClouds>(
-      *extrinsics_, *motion_, [this](const std::string& text) { warn("sensor", text); });
+  const auto warn_of_sensor = [this](const std::string& text) { warn("sensor", text); };
+  static_returns_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
+  dynamic_returns_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
   setUpOutputs();
   flow_input_ = &addInput("flow");
   depth_input_ = &addInput("depth");
   camera_input_ = &addInput("camera_info");
   twist_input_ = &addInput("ego/twist");
-  radar_input_ = &addInput("radar/dynamic", false);
+  static_input_ = &addInput("radar/static", false);
+  dynamic_input_ = &addInput("radar/dynamic", false);
   backward_input_ = &addInput("flow/backward", false);
   depth_std_input_ = &addInput("depth/uncertainty", false);
-  server_ = serve<DynamicSegmentationConfig>(
-      [](const DynamicSegmentationConfig& config) { validate(motionParams(config)); },
-      [this](const DynamicSegmentationConfig& config) { configure(config); });
   try {
-    motion_->setUpRotation(handle, private_handle);
+    motion_->setUpRotation(config_.rotation, handle);
   } catch (const std::invalid_argument& error) {
     reportProblem(std::string(error.what()) + "; using the yaw rate of the twists");
   }
+  serve<DynamicSegmentationConfig>(given, [this](const DynamicSegmentationConfig& config) { apply(config); });
   connectWhile([this] { return wanted(); }, [this] { connect(); }, [this] { disconnect(); });
 }
 
@@ -77,9 +77,7 @@ void DynamicSegmentationNodelet::connect() {
   twist_subscriber_ = listenToTwists(*twist_input_, *motion_);
   waiting_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kWaitingPeriod),
                                                    [this](const ros::WallTimerEvent&) { processQueue(); });
-  updateRadarSubscription();
-  updateBackwardSubscription();
-  updateUncertaintySubscription();
+  updateSubscriptions();
 }
 
 void DynamicSegmentationNodelet::disconnect() {
@@ -88,34 +86,42 @@ void DynamicSegmentationNodelet::disconnect() {
   stop(*depth_input_, depth_subscriber_);
   stop(*camera_input_, camera_subscriber_);
   stop(*twist_input_, twist_subscriber_);
-  updateRadarSubscription();
-  updateBackwardSubscription();
-  updateUncertaintySubscription();
+  updateSubscriptions();
   clearHistory();
 }
 
-void DynamicSegmentationNodelet::configure(const DynamicSegmentationConfig& config) {
-  segmenter_ = MotionSegmenter(motionParams(config));
+void DynamicSegmentationNodelet::apply(const DynamicSegmentationConfig& config) {
+  if (!sameFields(segmenter_.params(), config.motion)) segmenter_ = MotionSegmenter(config.motion);
+  if (!sameEvidence(config_, config)) history_.clear();
   config_ = config;
-  history_.clear();  // of masks by other parameters
-  updateRadarSubscription();
+  updateSubscriptions();
+}
+
+void DynamicSegmentationNodelet::updateSubscriptions() {
+  updateRadarSubscription(*static_input_, static_subscriber_, "radar/static", *static_returns_,
+                          config_.motion.static_gain);
+  updateRadarSubscription(*dynamic_input_, dynamic_subscriber_, "radar/dynamic", *dynamic_returns_,
+                          config_.motion.radar_gain);
   updateBackwardSubscription();
   updateUncertaintySubscription();
 }
 
-void DynamicSegmentationNodelet::updateRadarSubscription() {
-  const bool listening = static_cast<bool>(radar_subscriber_);
-  const bool wanted = connected() && config_.radar_gain > 0.0;
+void DynamicSegmentationNodelet::updateRadarSubscription(InputMonitor& input, ros::Subscriber& subscriber,
+                                                         const char* topic, RecentClouds& clouds,
+                                                         double gain) {
+  const bool listening = static_cast<bool>(subscriber);
+  const bool wanted = connected() && gain > 0.0;
   if (wanted && !listening) {
-    radar_subscriber_ = listenToClouds(*radar_input_, "radar/dynamic", *dynamic_returns_);
+    subscriber = listenToClouds(input, topic, clouds);
   } else if (!wanted && listening) {
-    stop(*radar_input_, radar_subscriber_);
+    stop(input, subscriber);
+    clouds.clear();
   }
 }
 
 void DynamicSegmentationNodelet::updateBackwardSubscription() {
   const bool listening = static_cast<bool>(backward_subscriber_);
-  const bool wanted = connected() && (looksBack() || remembers());
+  const bool wanted = connected() && (config_.looksBack() || config_.remembers());
   if (wanted && !listening) {
     backward_subscriber_ = listen<Flow>(*backward_input_, "flow/backward", 3,
                                         [this](const FlowConstPtr& flow) { history_.addBackward(flow); });
@@ -126,7 +132,7 @@ void DynamicSegmentationNodelet::updateBackwardSubscription() {
 
 void DynamicSegmentationNodelet::updateUncertaintySubscription() {
   const bool listening = static_cast<bool>(depth_std_subscriber_);
-  const bool wanted = connected() && usesDepthUncertainty();
+  const bool wanted = connected() && config_.usesDepthUncertainty();
   if (wanted && !listening) {
     depth_std_subscriber_ =
         listen<sensor_msgs::Image>(*depth_std_input_, "depth/uncertainty", 5,
@@ -143,6 +149,7 @@ void DynamicSegmentationNodelet::clearHistory() {
   depths_.clear();
   depth_stds_.clear();
   motion_->forget();
+  static_returns_->clear();
   dynamic_returns_->clear();
 }
 
@@ -193,7 +200,7 @@ void DynamicSegmentationNodelet::processQueue() {
 }
 
 DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gatherDepths(WaitingFlow& waiting,
-                                                                              std::string& missing) {
+                                                                                  std::string& missing) {
   const ros::Time first = waiting.message->header.stamp;
   const ros::Time second = waiting.message->second_stamp;
   if (!waiting.depth) waiting.depth = depths_.find(first);
@@ -201,7 +208,7 @@ DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gatherDepth
     missing = "no depth on '" + depth_input_->topic() + "' at the time of the flow's first image";
     return depths_.isPast(first) ? Availability::kImpossible : Availability::kPending;
   }
-  if (config_.score == "paper" && config_.lambda == 0.0) return Availability::kComplete;
+  if (!config_.usesNextDepth()) return Availability::kComplete;
   if (!waiting.next_depth) waiting.next_depth = depths_.find(second);
   if (waiting.next_depth || depths_.isPast(second)) return Availability::kComplete;
   missing = "no depth on '" + depth_input_->topic() + "' at the time of the flow's second image";
@@ -210,15 +217,16 @@ DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gatherDepth
   return within_timeout && waiting_.size() <= kMaxWaiting ? Availability::kPending : Availability::kComplete;
 }
 
-DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gather(WaitingFlow& waiting, Inputs& inputs,
-                                                                        std::string& missing) {
+DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gather(WaitingFlow& waiting,
+                                                                            Inputs& inputs,
+                                                                            std::string& missing) {
   inputs.flow = waiting.message;
   const Availability depths = gatherDepths(waiting, missing);
   if (depths != Availability::kComplete) return depths;
   inputs.depth = waiting.depth;
   inputs.next_depth = waiting.next_depth;
   // It is sent just before its depth, so that it is there or lost.
-  if (usesDepthUncertainty()) inputs.depth_std = depth_stds_.find(inputs.flow->header.stamp);
+  if (config_.usesDepthUncertainty()) inputs.depth_std = depth_stds_.find(inputs.flow->header.stamp);
   if (!camera_) {
     missing = "nothing on '" + camera_input_->topic() + "' yet";
     return Availability::kPending;
@@ -227,10 +235,10 @@ DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gather(Wait
       extrinsics_->lookup(inputs.flow->header.frame_id, missing);
   if (!T_base_from_camera) return Availability::kPending;
   const bool within_timeout = (ros::WallTime::now() - waiting.arrival).toSec() <
-                           std::min(config_.rotation_timeout, config_.input_timeout) &&
-                       waiting_.size() <= kMaxWaiting;
-  const EgoMotion::Answer motion =
-      motion_->between(inputs.flow->header.stamp, inputs.flow->second_stamp, config_.max_twist_age, within_timeout);
+                                  std::min(config_.rotation_timeout, config_.input_timeout) &&
+                              waiting_.size() <= kMaxWaiting;
+  const EgoMotion::Answer motion = motion_->between(inputs.flow->header.stamp, inputs.flow->second_stamp,
+                                                    config_.max_twist_age, within_timeout);
   if (!motion.T_begin_from_end) {
     missing = "no motion of the vehicle from '" + twist_input_->topic() + "': " + motion.missing;
     return Availability::kPending;
@@ -238,17 +246,16 @@ DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gather(Wait
   inputs.without_rotation = motion.without_rotation;
   inputs.T_base_from_camera = *T_base_from_camera;
   inputs.motion.T_current_from_previous = staticPointMotion(*T_base_from_camera, *motion.T_begin_from_end);
-  if (config_.score == "uncertainty" || config_.refine) {
+  if (config_.byUncertainty() || config_.refine) {
     const double dt = (inputs.flow->second_stamp - inputs.flow->header.stamp).toSec();
     const bool has_rotation = motion_->hasRotation() && !motion.without_rotation;
     const MotionUncertainty uncertainty =
-        motionUncertainty(config_, motion_->latestCovariance(), has_rotation);
+        motionUncertainty(config_.motion_uncertainty, motion_->latestCovariance(), has_rotation);
     inputs.motion.motion_covariance =
         cameraCovariance(*T_base_from_camera, baseMotionCovariance(uncertainty, std::abs(dt)));
   }
   placeOnGrid(inputs);
-  if (config_.radar_gain > 0.0)
-    inputs.motion.dynamic_points = dynamicPoints(inputs.flow->header.stamp, *T_base_from_camera);
+  addRadarPoints(inputs);
   return Availability::kComplete;
 }
 
@@ -267,7 +274,7 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
   const cv::Size grid = field.flow.size();
   motion.flow = field.flow;
   // The forward-backward error is noise to this score, and no reason to leave a pixel out.
-  if (config_.score == "uncertainty" && !field.fb_error.empty()) {
+  if (config_.byUncertainty() && !field.fb_error.empty()) {
     motion.fb_error = field.fb_error;
   } else {
     motion.flow_valid = field.valid;
@@ -287,37 +294,41 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
   if (inputs.depth_std) motion.depth_std = place(depthStdOf(*inputs.depth_std), *depth_std_input_);
 }
 
-std::vector<Eigen::Vector3f> DynamicSegmentationNodelet::dynamicPoints(
-    const ros::Time& stamp, const Eigen::Isometry3d& T_base_from_camera) {
-  std::vector<Eigen::Vector3f> points;
-  const Eigen::Isometry3f T_camera_from_base = T_base_from_camera.inverse().cast<float>();
-  for (const CloudPoint& point : dynamic_returns_->at(stamp, config_.radar_max_age)) {
-    // Returns that only a mask called dynamic must not confirm that mask. Without the field: all of them.
-    const bool own_motion = std::isnan(point.residual) ||
-                            std::abs(point.residual) >= static_cast<float>(config_.radar_min_residual);
-    if (own_motion) points.emplace_back(T_camera_from_base * point.position);
+void DynamicSegmentationNodelet::addRadarPoints(Inputs& inputs) {
+  const ros::Time& stamp = inputs.flow->header.stamp;
+  const Eigen::Isometry3f T_camera_from_base = inputs.T_base_from_camera.inverse().cast<float>();
+  if (config_.motion.radar_gain > 0.0) {
+    for (const CloudPoint& point : dynamic_returns_->at(stamp, config_.radar_max_age)) {
+      // Returns that only a mask called dynamic must not confirm that mask. Without the field: all of them.
+      const bool own_motion = std::isnan(point.residual) ||
+                              std::abs(point.residual) >= static_cast<float>(config_.radar_min_residual);
+      if (own_motion) inputs.motion.dynamic_points.emplace_back(T_camera_from_base * point.position);
+    }
   }
-  return points;
+  if (config_.motion.static_gain > 0.0) {
+    for (const CloudPoint& point : static_returns_->at(stamp, config_.radar_max_age))
+      inputs.motion.static_points.emplace_back(T_camera_from_base * point.position);
+  }
 }
 
 void DynamicSegmentationNodelet::refine(Inputs& inputs) {
   std::optional<GroundPlane> ground;
-  if (config_.refine_ground)
-    ground = GroundPlane{inputs.T_base_from_camera, config_.ground_height, config_.ground_pitch};
-  refineInput(inputs.motion, ground, config_.max_depth);
-  if (refined_publisher_.getNumSubscribers() > 0)
-    refined_publisher_.publish(refinedTwist(inputs, inputs.T_base_from_camera, base_frame_));
+  if (config_.refine_ground) ground = GroundPlane{inputs.T_base_from_camera, config_.ground};
+  refineInput(inputs.motion, ground, config_.motion.max_depth, config_.motion.noise, config_.refinement);
+  if (refined_publisher_.getNumSubscribers() > 0) {
+    refined_publisher_.publish(refinedTwist(inputs, inputs.T_base_from_camera, config_.stream.base_frame));
+  }
 }
 
 const MotionResult& DynamicSegmentationNodelet::maskOf(Inputs& inputs) {
   std::optional<MotionInput> before;
-  if (looksBack()) {
+  if (config_.looksBack()) {
     before = history_.previousPair(inputs);
     if (!before) ++without_past_since_report_;
   }
-  if (remembers()) inputs.motion.belief = history_.beliefFor(inputs, config_.memory);
+  if (config_.remembers()) inputs.motion.belief = history_.beliefFor(inputs, config_.memory);
   const MotionResult& result = segmenter_.segment(inputs.motion, before ? &*before : nullptr);
-  if (looksBack() || remembers()) history_.remember(inputs, result);
+  if (config_.looksBack() || config_.remembers()) history_.remember(inputs, result);
   return result;
 }
 
@@ -343,9 +354,8 @@ void DynamicSegmentationNodelet::segment(Inputs& inputs) {
   ++masks_;
   ++masks_since_report_;
   last_mask_ = ros::WallTime::now();
-  const bool wants_next_depth = config_.score != "paper" || config_.lambda > 0.0;
-  if (wants_next_depth && !inputs.next_depth) ++without_next_depth_since_report_;
-  if (usesDepthUncertainty() && !inputs.depth_std) ++without_depth_std_since_report_;
+  if (config_.usesNextDepth() && !inputs.next_depth) ++without_next_depth_since_report_;
+  if (config_.usesDepthUncertainty() && !inputs.depth_std) ++without_depth_std_since_report_;
   if (inputs.without_rotation) {
     ++without_rotation_since_report_;
     warn("rotation", "no rotation at the stamps of the images from " + motion_->rotationText() +

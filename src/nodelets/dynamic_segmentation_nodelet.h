@@ -12,7 +12,7 @@
 #include "ego_motion.h"
 #include "image_messages.h"
 #include "mask_history.h"
-#include "radar_dot/DynamicSegmentationConfig.h"
+#include "radar_dot/config/sections.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "stamp_cache.h"
 #include "stream_nodelet.h"
@@ -40,11 +40,14 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   void onInit() override;
   void connect();
   void disconnect();
-  void updateRadarSubscription();
+  /// Of the inputs that only some configurations need.
+  void updateSubscriptions();
+  void updateRadarSubscription(InputMonitor& input, ros::Subscriber& subscriber, const char* topic,
+                               RecentClouds& clouds, double gain);
   void updateBackwardSubscription();
   void updateUncertaintySubscription();
   void setUpOutputs();
-  void configure(const DynamicSegmentationConfig& config);
+  void apply(const DynamicSegmentationConfig& config);
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
@@ -57,41 +60,33 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   Availability gatherDepths(WaitingFlow& waiting, std::string& missing);
   /// @throws std::invalid_argument where grids do not go together
   void placeOnGrid(Inputs& inputs) const;
-  std::vector<Eigen::Vector3f> dynamicPoints(const ros::Time& stamp,
-                                             const Eigen::Isometry3d& T_base_from_camera);
+  void addRadarPoints(Inputs& inputs);
   /// Motion, its covariance, and where depth shows the ground, both depths, by the image.
   void refine(Inputs& inputs);
   const MotionResult& maskOf(Inputs& inputs);
   void segment(Inputs& inputs);
   void publish(const Inputs& inputs, const MotionResult& result);
   bool wanted() const;
-  bool looksBack() const { return config_.score == "uncertainty" && config_.look_back; }
-  bool remembers() const { return config_.score == "uncertainty" && config_.memory > 0.0; }
-  bool usesDepthUncertainty() const {
-    return config_.use_depth_uncertainty && (config_.score == "uncertainty" || config_.refine);
-  }
   void drop(const std::string& reason);
 
-  DynamicSegmentationConfig config_ = DynamicSegmentationConfig::__getDefault__();
+  DynamicSegmentationConfig config_;  // in force
   MotionSegmenter segmenter_;
-  std::string base_frame_;
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
-  std::unique_ptr<RecentClouds> dynamic_returns_;
+  std::unique_ptr<RecentClouds> static_returns_, dynamic_returns_;
   StampCache<sensor_msgs::Image> depths_, depth_stds_;
   MaskHistory history_;
   sensor_msgs::CameraInfoConstPtr camera_;
   std::deque<WaitingFlow> waiting_;
 
   InputMonitor *flow_input_ = nullptr, *depth_input_ = nullptr, *camera_input_ = nullptr,
-               *twist_input_ = nullptr, *radar_input_ = nullptr, *backward_input_ = nullptr,
-               *depth_std_input_ = nullptr;
+               *twist_input_ = nullptr, *static_input_ = nullptr, *dynamic_input_ = nullptr,
+               *backward_input_ = nullptr, *depth_std_input_ = nullptr;
   ros::Subscriber flow_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_,
-      radar_subscriber_, backward_subscriber_, depth_std_subscriber_;
+      static_subscriber_, dynamic_subscriber_, backward_subscriber_, depth_std_subscriber_;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Publisher mask_publisher_, valid_publisher_;
   ros::Publisher score_publisher_, expected_flow_publisher_, residual_publisher_, refined_publisher_;
-  std::unique_ptr<dynamic_reconfigure::Server<DynamicSegmentationConfig>> server_;
   ros::WallTimer waiting_timer_;
 
   // Of the latest mask.

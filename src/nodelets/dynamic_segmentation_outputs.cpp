@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What DynamicSegmentationNodelet tells the world.
+// The outputs of DynamicSegmentationNodelet.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
@@ -77,11 +77,13 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
                          without_depth_std_since_report_, depth_std_input_->topic().c_str());
   }
   // The first mask of a stream has no past.
-  if (looksBack() && masks_since_report_ > 1 && without_past_since_report_ >= masks_since_report_) {
-    status.mergeSummaryf(DiagnosticStatus::WARN,
-                         "masks do not look back: nothing on '%s' goes with the flow (forward_backward, "
-                         "direction forward)",
-                         backward_input_->topic().c_str());
+  if (config_.looksBack() && masks_since_report_ > 1 && without_past_since_report_ >= masks_since_report_) {
+    const OpticalFlowConfig flow;
+    status.mergeSummaryf(
+        DiagnosticStatus::WARN,
+        "masks do not look back: nothing on '%s' goes with the flow (it needs %s, and %s %s)",
+        backward_input_->topic().c_str(), nameOf(flow, flow.flow.forward_backward),
+        nameOf(flow, flow.direction), toString(FlowDirection::kForward).data());
   }
   status.add("rotation", motion_->rotationText());
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "read_parameters.h"
+
 namespace radar_dot {
 
 void EgoMotion::add(const geometry_msgs::TwistWithCovarianceStamped& twist) {
@@ -18,8 +20,10 @@ void EgoMotion::add(const geometry_msgs::TwistWithCovarianceStamped& twist) {
   unobserved_.clear();
   if (unobserved(kForward)) unobserved_ = "vx";
   if (needs_yaw_rate_ && !rotation_ && unobserved(kYaw)) {
-    unobserved_ += std::string(unobserved_.empty() ? "" : " and ") +
-                   "the yaw rate (choose another model, or a rotation_source)";
+    const EgoVelocityParams estimator;
+    const RotationParams rotation;
+    unobserved_ += std::string(unobserved_.empty() ? "" : " and ") + "the yaw rate (choose another " +
+                   nameOf(estimator, estimator.model) + ", or a " + nameOf(rotation, rotation.source) + ")";
   }
   if (unobserved_.empty()) {
     twists_.add(velocityOf(twist));
@@ -28,14 +32,13 @@ void EgoMotion::add(const geometry_msgs::TwistWithCovarianceStamped& twist) {
   changed_();
 }
 
-void EgoMotion::setUpRotation(ros::NodeHandle& handle, ros::NodeHandle& private_handle) {
+void EgoMotion::setUpRotation(const RotationParams& params, ros::NodeHandle& handle) {
   RotationSource::Callbacks callbacks;
   callbacks.arrival = [] {};
   callbacks.sample = [this] { changed_(); };
   callbacks.restarted = [] {};
   callbacks.warn = [this](const std::string& text) { warn_(text); };
-  rotation_ = makeRotationSource(private_handle.param<std::string>("rotation_source", "radar"), handle,
-                                 private_handle, extrinsics_, std::move(callbacks));
+  rotation_ = makeRotationSource(params, handle, extrinsics_, std::move(callbacks));
 }
 
 EgoMotion::Answer EgoMotion::between(const ros::Time& begin, const ros::Time& end, double max_hold,

@@ -34,9 +34,8 @@ class EgoMotion {
   /// @throws std::invalid_argument saying what is wrong with it.
   void add(const geometry_msgs::TwistWithCovarianceStamped& twist);
 
-  /// Reads rotation_source and rotation_fixed_frame. @throws std::invalid_argument as makeRotationSource; the
-  /// yaw rate of the twists is used then.
-  void setUpRotation(ros::NodeHandle& handle, ros::NodeHandle& private_handle);
+  /// @throws InvalidParameter as makeRotationSource; the yaw rate of the twists is used then.
+  void setUpRotation(const RotationParams& params, ros::NodeHandle& handle);
 
   struct Answer {
     std::optional<Eigen::Isometry3d> T_begin_from_end;  ///< of the base frame; none: see `missing`
@@ -45,7 +44,8 @@ class EgoMotion {
   };
   /// `end` may be the earlier one.
   /// @param max_hold  s that the latest twist is taken to hold
-  /// @param within_timeout   true: without a rotation at both times there is no answer yet; false: the twists' own
+  /// @param within_timeout   true: without a rotation at both times there is no answer yet; false: the
+  /// twists' own
   Answer between(const ros::Time& begin, const ros::Time& end, double max_hold, bool within_timeout);
   /// Velocity of the vehicle at `time`, from the twists alone; none: see `missing`.
   std::optional<StampedVelocity> velocityAt(const ros::Time& time, double max_hold,

@@ -27,9 +27,6 @@ constexpr double kStartTimeout = 5.0;  // s, wall time
 // Frames that wait for their mount; more are names that vary from message to message.
 constexpr std::size_t kMaxMissingMounts = 100;
 
-// A yaw rate older than this does not tell how far the bearings have turned.
-constexpr double kMaxTurningAge = 1.0;  // s
-
 // A larger share of returns that are not finite is worth a warning.
 constexpr double kMaxShareNotFinite = 0.5;
 
@@ -41,18 +38,15 @@ std::shared_ptr<const RadarReading> readingOf(const SweepScan& scan) {
 
 void EgoVelocityNodelet::onInit() {
   ros::NodeHandle& handle = getNodeHandle();
-  ros::NodeHandle& private_handle = getPrivateNodeHandle();
+  const GivenConfig<EgoVelocityConfig> given = readConfig<EgoVelocityConfig>(getPrivateNodeHandle());
+  config_ = given.config;
 
-  extrinsics_ =
-      std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
-  sweep_params_.window = positiveParameter(private_handle, "window", sweep_params_.window);
-  sweep_params_.silent_after = positiveParameter(private_handle, "silent_after", sweep_params_.silent_after);
-  expectation_.rate = positiveParameter(private_handle, "expected_rate", expectation_.rate);
-  expectation_.rate_tolerance =
-      positiveParameter(private_handle, "rate_tolerance", expectation_.rate_tolerance);
-  expectation_.max_age = positiveParameter(private_handle, "max_age", expectation_.max_age);
+  extrinsics_ = std::make_unique<Extrinsics>(config_.base_frame, handle);
+  expectation_.rate = config_.expected_rate;
+  expectation_.rate_tolerance = config_.rate_tolerance;
+  expectation_.max_age = config_.max_age;
   // Slower radars than usual are waited for accordingly.
-  expectation_.silent_after = std::max(sweep_params_.silent_after, 3.0 / expectation_.rate);
+  expectation_.silent_after = std::max(config_.sweep.silent_after, 3.0 / expectation_.rate);
   estimator_monitor_ = std::make_unique<EstimatorMonitor>(expectation_);
 
   twist_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
@@ -64,125 +58,83 @@ void EgoVelocityNodelet::onInit() {
   mask_ = std::make_unique<MaskInput>(handle, *extrinsics_, [this](const std::string& text) {
     if (throttle_.allow("mask", text)) NODELET_WARN("%s: %s", getName().c_str(), text.c_str());
   });
-  setUpRadars();
-  setUpReconfigure();
+  setUpRadars(config_.radars);
+  server_ = std::make_unique<ReconfigureServer<EgoVelocityConfig>>(
+      getPrivateNodeHandle(), given, [this](const EgoVelocityConfig& config) { apply(config); });
+  if (!canEstimate())
+    NODELET_ERROR("%s: estimation disabled until the parameters are corrected", getName().c_str());
   setUpDiagnostics();
-
-  const int queue_size = std::max(1, private_handle.param("queue_size", 5));
-  for (std::size_t i = 0; i < radars_.size(); ++i) {
-    radars_[i]->subscriber = handle.subscribe<sensor_msgs::PointCloud2>(
-        radars_[i]->config.topic, static_cast<std::uint32_t>(queue_size),
-        [this, i](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(i, cloud); });
-  }
+  subscribe();
   silence_timer_ = handle.createWallTimer(
       ros::WallDuration(kStartTimeout), [this](const ros::WallTimerEvent&) { warnOfSilentRadars(); }, true);
+}
+
+void EgoVelocityNodelet::subscribe() {
+  for (std::size_t i = 0; i < radars_.size(); ++i) {
+    radars_[i]->subscriber = getNodeHandle().subscribe<sensor_msgs::PointCloud2>(
+        radars_[i]->entry.topic, static_cast<std::uint32_t>(config_.queue_size),
+        [this, i](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(i, cloud); });
+  }
 }
 
 void EgoVelocityNodelet::warnOfSilentRadars() {
   for (const std::unique_ptr<Radar>& radar : radars_) {
     if (radar->received) continue;
-    NODELET_WARN("%s: nothing on '%s' yet (%u publishers)", getName().c_str(), radar->config.topic.c_str(),
+    NODELET_WARN("%s: nothing on '%s' yet (%u publishers)", getName().c_str(), radar->entry.topic.c_str(),
                  radar->subscriber.getNumPublishers());
   }
 }
 
-void EgoVelocityNodelet::setUpRadars() {
-  const ros::NodeHandle& private_handle = getPrivateNodeHandle();
-  XmlRpc::XmlRpcValue value;
-  std::vector<RadarConfig> configs;
-  std::vector<std::string> problems;
-  if (private_handle.getParam("radars", value)) configs = radarsFromParameter(value, problems);
-  for (const std::string& problem : problems) {
-    NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
-    configuration_error_ = problem;
-  }
-  for (RadarConfig& config : configs) {
-    config.topic = getNodeHandle().resolveName(config.topic);
-    radars_.push_back(std::make_unique<Radar>(std::move(config), expectation_, sweep_params_.window));
+void EgoVelocityNodelet::setUpRadars(const std::map<std::string, RadarEntry>& entries) {
+  const std::string place = getPrivateNodeHandle().resolveName(fieldsOf(config_).dictionaries().front().name);
+  for (const auto& [name, entry] : entries) {
+    RadarEntry resolved = entry;
+    const std::string defect = topicDefect(getNodeHandle(), entry.topic);
+    if (!defect.empty()) {
+      const std::string problem = place + "/" + name + "/" + nameOf(entry, entry.topic) + " is '" +
+                                  entry.topic + "': " + defect + "; " + name + " is left out";
+      NODELET_ERROR("%s", problem.c_str());
+      configuration_error_ += (configuration_error_.empty() ? "" : "; ") + problem;
+      continue;
+    }
+    resolved.topic = getNodeHandle().resolveName(entry.topic);
+    radars_.push_back(std::make_unique<Radar>(name, std::move(resolved), expectation_, config_.sweep.window));
   }
   if (radars_.empty()) {
-    configuration_error_ = "no radars: set " + private_handle.resolveName("radars") +
-                           " to a dictionary, e.g. {radar_front: {topic: /radar_front}}";
-    NODELET_FATAL("%s", configuration_error_.c_str());
+    const std::string problem =
+        "no radars: set " + place + " to a dictionary, e.g. {radar_front: {topic: /radar_front}}";
+    NODELET_FATAL("%s", problem.c_str());
+    configuration_error_ += (configuration_error_.empty() ? "" : "; ") + problem;
   }
-  assembler_.emplace(radars_.size(), sweep_params_);
+  assembler_.emplace(radars_.size(), config_.sweep);
 }
 
-void EgoVelocityNodelet::setUpReconfigure() {
-  const ros::NodeHandle& private_handle = getPrivateNodeHandle();
-  for (const char* name : {"invalid_states", "ambig_states", "pdh0_states"}) {
-    XmlRpc::XmlRpcValue value;
-    if (!private_handle.getParam(name, value)) continue;
-    if (const std::optional<std::string> text = stateListText(value)) private_handle.setParam(name, *text);
-  }
-  reconfigure_server_ = std::make_unique<dynamic_reconfigure::Server<EgoVelocityConfig>>(private_handle);
-  reconfigure_server_->setCallback(
-      [this](EgoVelocityConfig& config, std::uint32_t level) { reconfigure(config, level); });
+bool EgoVelocityNodelet::canEstimate() const {
+  return server_ && server_->usable() &&
+         !server_->refusedAtStart(nameOf(config_, config_.extraction.doppler_scale));
 }
 
-void EgoVelocityNodelet::applyConfig(const EgoVelocityConfig& config) {
-  // Everything that can refuse comes first: what is refused changes nothing.
-  const ExtractionParams common = extractionParams(config);
-  const DopplerExtractor check(common);
-  EgoVelocityEstimator estimator(estimatorParams(config));
-  const MaskFootprint footprint = maskFootprint(config);
-  VelocityFilter filter(filterParams(config));
-
-  estimator_ = std::move(estimator);
-  filter_ = std::move(filter);
-  filters_ = config.filter;
-  bearing_delay_ = config.bearing_delay;
-  mask_->configure(config.use_mask, config.mask_max_age, footprint);
+void EgoVelocityNodelet::apply(const EgoVelocityConfig& config) {
+  // Everything that can throw comes first: what is refused changes nothing.
+  std::vector<std::pair<Radar*, DopplerExtractor>> extractors;
   for (const std::unique_ptr<Radar>& radar : radars_) {
-    ExtractionParams params = common;
-    params.doppler_scale = radar->config.doppler_scale.value_or(common.doppler_scale);
-    radar->extractor = DopplerExtractor(params);
+    ExtractionParams params = config.extraction;
+    params.doppler_scale = radar->entry.doppler_scale.value_or(params.doppler_scale);
+    if (!sameFields(radar->extractor.params(), params))
+      extractors.emplace_back(radar.get(), DopplerExtractor(params));
   }
-}
+  chain_.configure(config);
 
-void EgoVelocityNodelet::reconfigure(EgoVelocityConfig& config, std::uint32_t /*level*/) {
-  if (!config_) {
-    configureAtStart(config);
-  } else {
-    try {
-      applyConfig(config);
-      parameter_error_.clear();
-      can_estimate_ = true;
-    } catch (const std::invalid_argument& error) {
-      NODELET_ERROR("%s: %s; keeping the parameters as they were", getName().c_str(), error.what());
-      config = *config_;
-    }
-  }
+  for (auto& [radar, extractor] : extractors) radar->extractor = std::move(extractor);
+  mask_->configure(config);
   config_ = config;
-}
-
-// One bad value must not take the good ones with it.
-void EgoVelocityNodelet::configureAtStart(EgoVelocityConfig& config) {
-  const MendedConfig mended = mendedConfig(config);
-  config = mended.config;
-  can_estimate_ = mended.usable;
-  for (const std::string& problem : mended.problems) {
-    NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
-    parameter_error_ += (parameter_error_.empty() ? "" : "; ") + problem;
-  }
-  if (!can_estimate_) {
-    parameter_error_ += "; estimation disabled until the parameters are corrected";
-    NODELET_ERROR("%s: estimation disabled until the parameters are corrected", getName().c_str());
-  }
-  applyConfig(mended.valid ? config : EgoVelocityConfig::__getDefault__());
 }
 
 void EgoVelocityNodelet::setUpDiagnostics() {
   diagnostics_ =
       std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
   diagnostics_->setHardwareID(extrinsics_->baseFrame());
-  diagnostics_->add("configuration", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
-    using diagnostic_msgs::DiagnosticStatus;
-    status.summaryf(DiagnosticStatus::OK, "%zu radars", radars_.size());
-    for (const std::string& error : {configuration_error_, parameter_error_}) {
-      if (!error.empty()) status.mergeSummary(DiagnosticStatus::ERROR, error);
-    }
-  });
+  diagnostics_->add("configuration", this, &EgoVelocityNodelet::reportConfiguration);
   diagnostics_->add("estimator", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
     estimator_monitor_->report(ros::Time::now(), status);
     mask_->report(status);
@@ -194,7 +146,7 @@ void EgoVelocityNodelet::setUpDiagnostics() {
                       });
   }
   for (const std::unique_ptr<Radar>& radar : radars_) {
-    diagnostics_->add("radar " + radar->config.name,
+    diagnostics_->add("radar " + radar->name,
                       [monitor = &radar->monitor](diagnostic_updater::DiagnosticStatusWrapper& status) {
                         monitor->report(ros::Time::now(), status);
                       });
@@ -204,10 +156,21 @@ void EgoVelocityNodelet::setUpDiagnostics() {
       ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
 }
 
+void EgoVelocityNodelet::reportConfiguration(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  status.summaryf(DiagnosticStatus::OK, "%zu radars", radars_.size());
+  if (!server_->refusal().empty())
+    status.mergeSummary(DiagnosticStatus::WARN, "rejected: " + server_->refusal());
+  for (const std::string& error : {configuration_error_, server_->error()})
+    if (!error.empty()) status.mergeSummary(DiagnosticStatus::ERROR, error);
+  if (!canEstimate())
+    status.mergeSummary(DiagnosticStatus::ERROR, "estimation disabled until the parameters are corrected");
+}
+
 void EgoVelocityNodelet::refuse(Radar& radar, const std::string& cause) {
   radar.monitor.refuse(cause);
-  if (throttle_.allow(radar.config.name, cause)) {
-    NODELET_WARN("%s: cloud on '%s' refused: %s", getName().c_str(), radar.config.topic.c_str(),
+  if (throttle_.allow(radar.name, cause)) {
+    NODELET_WARN("%s: cloud on '%s' refused: %s", getName().c_str(), radar.entry.topic.c_str(),
                  cause.c_str());
   }
 }
@@ -234,7 +197,7 @@ void EgoVelocityNodelet::onCloud(std::size_t index, const sensor_msgs::PointClou
 
 void EgoVelocityNodelet::addScan(std::size_t index, const sensor_msgs::PointCloud2ConstPtr& cloud) {
   Radar& radar = *radars_[index];
-  if (!can_estimate_) return;
+  if (!canEstimate()) return;
   if (clock_.wentBack(ros::Time::now())) clearHistory(cloud->header.stamp);
   const std::shared_ptr<const RadarReading> reading = read(radar, cloud);
   switch (radar.stamps.check(cloud->header.stamp)) {
@@ -251,9 +214,9 @@ void EgoVelocityNodelet::addScan(std::size_t index, const sensor_msgs::PointClou
   // One point of NaN is how some radars say "nothing seen".
   if (counts.total > 1 &&
       static_cast<double>(counts.not_finite) > kMaxShareNotFinite * static_cast<double>(counts.total) &&
-      throttle_.allow(radar.config.name, "not finite")) {
+      throttle_.allow(radar.name, "not finite")) {
     NODELET_WARN("%s: %zu of %zu returns on '%s' are not finite", getName().c_str(), counts.not_finite,
-                 counts.total, radar.config.topic.c_str());
+                 counts.total, radar.entry.topic.c_str());
   }
 
   // The guard let only later stamps through: the assembler neither rejects them nor resets.
@@ -266,9 +229,7 @@ void EgoVelocityNodelet::addScan(std::size_t index, const sensor_msgs::PointClou
 void EgoVelocityNodelet::clearHistory(const ros::Time& stamp) {
   NODELET_WARN("%s: time jumped back to %.3f s; resetting", getName().c_str(), stamp.toSec());
   assembler_->reset();
-  tracker_.reset();
-  filter_.reset();
-  turning_.reset();
+  chain_.reset();
   mask_->forget();
   estimator_monitor_->reset();
   for (const std::unique_ptr<Radar>& radar : radars_) {
@@ -293,8 +254,8 @@ std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(co
       const ros::WallTime now = ros::WallTime::now();
       if (mount_missing_since_.size() > kMaxMissingMounts) mount_missing_since_.clear();
       const ros::WallTime since = mount_missing_since_.try_emplace(frame, now).first->second;
-      if ((now - since).toSec() > kMountTimeout && throttle_.allow(radar.config.name, cause)) {
-        NODELET_WARN("%s: the scans on '%s' are skipped: %s", getName().c_str(), radar.config.topic.c_str(),
+      if ((now - since).toSec() > kMountTimeout && throttle_.allow(radar.name, cause)) {
+        NODELET_WARN("%s: the scans on '%s' are skipped: %s", getName().c_str(), radar.entry.topic.c_str(),
                      cause.c_str());
       }
       error = cause;
@@ -305,11 +266,10 @@ std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(co
     estimated.returns = &reading->returns;
     estimated.T_base_from_sensor = *mount;
     estimated.T_base_from_sensor.linear() =
-        Eigen::AngleAxisd(radar.config.mount_yaw_correction, Eigen::Vector3d::UnitZ()) * mount->linear();
+        Eigen::AngleAxisd(radar.entry.mount_yaw_correction, Eigen::Vector3d::UnitZ()) * mount->linear();
     estimated.time = scan.time;
     estimated.radar = scan.radar;
-    if (turning_ && std::abs(scan.time - turning_->time) < kMaxTurningAge)
-      estimated.bearing_rotation = bearing_delay_ * turning_->angular.z();
+    estimated.bearing_rotation = chain_.bearingRotation(scan.time);
     mounted.push_back(
         {scan.radar, reading,
          mask_->marked(reading->returns, estimated.T_base_from_sensor, reading->cloud->header.stamp)});
@@ -327,8 +287,7 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
 
   const ros::Time stamp = readingOf(sweep.scans[sweep.newest])->cloud->header.stamp;
   const auto start = std::chrono::steady_clock::now();
-  const EgoVelocityResult& result =
-      estimator_.estimate(scans, sweep.time(), tracker_.acceleration(sweep.time()));
+  const EgoVelocityResult& result = chain_.estimate(scans, sweep.time());
   const double computation_time =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   estimator_monitor_->estimate(stamp, ros::Time::now(), result, sweep.left_out, computation_time);
@@ -341,9 +300,7 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
       NODELET_WARN("%s: no estimate: %s", getName().c_str(), reason.c_str());
     return;
   }
-  turning_ = StampedVelocity{sweep.time(), result.linear, result.angular};
-  if (result.observed[0]) tracker_.add(sweep.time(), result.linear);
-  if (result.observed[0]) mask_->add(*turning_);
+  if (result.observed[0]) mask_->add({sweep.time(), result.linear, result.angular});
   publishTwist(stamp, sweep.time(), scans, result);
   publishClouds(mounted, result);
 }
@@ -352,24 +309,24 @@ void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, double time,
                                       const std::vector<RadarScan>& scans, const EgoVelocityResult& result) {
   const auto raw = twistMessage(stamp, extrinsics_->baseFrame(), result);
   raw_twist_publisher_.publish(raw);
-  if (!filters_) {
+  if (!chain_.filters()) {
     twist_publisher_.publish(raw);
     return;
   }
-  const bool was_started = filter_.started();
-  const VelocityFilter::Outcome outcome = filter_.update(time, result, sensorVelocities(scans, result));
-  if (outcome == VelocityFilter::Outcome::kStarted && was_started && throttle_.allow("filter", "anew"))
-    NODELET_WARN("%s: velocity filter reset: gap in the input, or repeated estimates outside its gate", getName().c_str());
-  if (outcome == VelocityFilter::Outcome::kStale) return;
-  twist_publisher_.publish(
-      twistMessage(stamp, extrinsics_->baseFrame(), filteredResult(filter_.at(time), result)));
+  const std::optional<VelocityChain::Filtered> filtered = chain_.filtered(time, scans, result);
+  if (!filtered) return;
+  if (filtered->was_reset && throttle_.allow("filter", "reset")) {
+    NODELET_WARN("%s: velocity filter reset: gap in the input, or repeated estimates outside its gate",
+                 getName().c_str());
+  }
+  twist_publisher_.publish(twistMessage(stamp, extrinsics_->baseFrame(), filtered->velocity));
 }
 
 void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const EgoVelocityResult& result,
                                        const std::vector<MountedScan>& mounted, const std::string& reason,
                                        double computation_time) {
   if (status_publisher_.getNumSubscribers() == 0) return;
-  EgoStatus message = statusMessage(stamp, extrinsics_->baseFrame(), estimator_.params(), result);
+  EgoStatus message = statusMessage(stamp, extrinsics_->baseFrame(), chain_.params(), result);
   message.reason = reason;
   for (const MountedScan& scan : mounted) {
     message.total_count += static_cast<std::uint32_t>(scan.reading->counts.total);

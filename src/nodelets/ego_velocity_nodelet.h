@@ -3,7 +3,6 @@
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
-#include <dynamic_reconfigure/server.h>
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -18,14 +17,12 @@
 #include "log_throttle.h"
 #include "mask_input.h"
 #include "monitors.h"
-#include "parameters.h"
-#include "radar_dot/EgoVelocityConfig.h"
+#include "radar_dot/config/sections.h"
 #include "radar_dot/radar/doppler_returns.h"
-#include "radar_dot/radar/ego_velocity.h"
-#include "radar_dot/radar/odometry.h"
 #include "radar_dot/radar/sweep_assembler.h"
-#include "radar_dot/radar/velocity_filter.h"
+#include "reconfigure_server.h"
 #include "stamp_guard.h"
+#include "velocity_chain.h"
 
 namespace radar_dot {
 
@@ -45,9 +42,12 @@ struct RadarReading {
 class EgoVelocityNodelet : public nodelet::Nodelet {
  private:
   struct Radar {
-    Radar(RadarConfig radar_config, const StreamExpectation& expectation, double window)
-        : config(std::move(radar_config)), monitor(config.topic, expectation, window) {}
-    RadarConfig config;
+    Radar(std::string radar_name, RadarEntry radar_entry, const StreamExpectation& expectation, double window)
+        : name(std::move(radar_name)),
+          entry(std::move(radar_entry)),
+          monitor(entry.topic, expectation, window) {}
+    std::string name;
+    RadarEntry entry;  // with the resolved topic
     RadarMonitor monitor;
     StampGuard stamps;
     bool received = false;  // anything, refused or not
@@ -62,12 +62,13 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   };
 
   void onInit() override;
-  void setUpRadars();
-  void setUpReconfigure();
+  void setUpRadars(const std::map<std::string, RadarEntry>& entries);
+  void subscribe();
   void setUpDiagnostics();
-  void reconfigure(EgoVelocityConfig& config, std::uint32_t level);
-  void configureAtStart(EgoVelocityConfig& config);
-  void applyConfig(const EgoVelocityConfig& config);
+  void reportConfiguration(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void apply(const EgoVelocityConfig& config);
+  /// False: the parameters cannot be used, or a velocity of the wrong sign might come of their defaults.
+  bool canEstimate() const;
 
   void onCloud(std::size_t radar, const sensor_msgs::PointCloud2ConstPtr& cloud);
   std::shared_ptr<const RadarReading> read(Radar& radar, const sensor_msgs::PointCloud2ConstPtr& cloud);
@@ -89,18 +90,11 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   std::unique_ptr<Extrinsics> extrinsics_;
   std::vector<std::unique_ptr<Radar>> radars_;
   std::string configuration_error_;  // of the radars
-  std::string parameter_error_;      // of the dynamic parameters
-  bool can_estimate_ = false;        // the dynamic parameters make sense
+  EgoVelocityConfig config_;         // in force
   StreamExpectation expectation_;
-  SweepParams sweep_params_;
   std::optional<SweepAssembler> assembler_;
   std::vector<Sweep> completed_;  // kept between calls for its memory
-  EgoVelocityEstimator estimator_;
-  AccelerationTracker tracker_;
-  VelocityFilter filter_;
-  bool filters_ = true;                     // publish the filtered velocity
-  double bearing_delay_ = 0.0;              // s
-  std::optional<StampedVelocity> turning_;  // of the latest estimate
+  VelocityChain chain_;
   std::unique_ptr<MaskInput> mask_;
   ClockWatch clock_;
   std::map<std::string, ros::WallTime> mount_missing_since_;  // by frame
@@ -108,8 +102,7 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   ros::Publisher twist_publisher_, raw_twist_publisher_, status_publisher_, static_publisher_,
       dynamic_publisher_;
   LogThrottle throttle_;
-  std::optional<EgoVelocityConfig> config_;
-  std::unique_ptr<dynamic_reconfigure::Server<EgoVelocityConfig>> reconfigure_server_;
+  std::unique_ptr<ReconfigureServer<EgoVelocityConfig>> server_;
   std::unique_ptr<EstimatorMonitor> estimator_monitor_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   ros::WallTimer diagnostics_timer_, silence_timer_;

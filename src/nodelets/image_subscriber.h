@@ -11,7 +11,7 @@
 
 namespace radar_dot {
 
-/// A picture that is decoded or converted only when somebody asks for it.
+/// A picture that is decoded or converted only when its pixels are asked for.
 class LazyImage {
  public:
   explicit LazyImage(sensor_msgs::ImageConstPtr raw) : raw_(std::move(raw)) {}

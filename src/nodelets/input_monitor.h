@@ -31,6 +31,9 @@ class InputMonitor {
   const std::string& topic() const noexcept { return topic_; }
   void setTopic(std::string topic) { topic_ = std::move(topic); }
 
+  /// @param max_age  s between stamp and arrival, above which the report warns
+  void expectMaxAge(double max_age) { stream_.expectMaxAge(max_age); }
+
   /// Takes a message into the order. @return false when time restarted with it: everything from before is
   /// to be forgotten. @throws std::invalid_argument as checkHeader(), and for a stamp not after the one
   /// before.

@@ -7,6 +7,13 @@
 
 namespace radar_dot {
 
+bool sameEvidence(const DynamicSegmentationConfig& a, const DynamicSegmentationConfig& b) {
+  return sameFields(a.motion, b.motion) && sameFields(a.motion_uncertainty, b.motion_uncertainty) &&
+         a.use_depth_uncertainty == b.use_depth_uncertainty && a.refine == b.refine &&
+         a.refine_ground == b.refine_ground && sameFields(a.ground, b.ground) &&
+         sameFields(a.refinement, b.refinement);
+}
+
 void MaskHistory::remember(const PairInputs& pair, const MotionResult& result) {
   latest_ = pair;
   log_odds_ = logOdds(result);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "radar_dot/Flow.h"
+#include "radar_dot/config/sections.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "stamp_cache.h"
 
@@ -19,6 +20,10 @@ struct PairInputs {
   sensor_msgs::ImageConstPtr depth, next_depth, depth_std;
   MotionInput motion;
 };
+
+/// Do pairs score the same with both? If not, what is known of the images before does not go with what comes.
+/// What a history is used for, how long it lasts and when inputs are taken does not matter.
+bool sameEvidence(const DynamicSegmentationConfig& a, const DynamicSegmentationConfig& b);
 
 /// What a stream of masks knows of the images before: the latest pair, what was believed of its first image,
 /// and the flows back.

@@ -6,13 +6,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "read_parameters.h"
+
 namespace radar_dot {
 namespace {
 
 StreamExpectation expectation() {
   StreamExpectation expected;
   expected.rate = 0.0;  // cameras have all rates
-  expected.max_age = 1.0;
   expected.silent_after = 2.0;
   return expected;
 }
@@ -27,12 +28,14 @@ MaskInput::MaskInput(ros::NodeHandle& handle, Extrinsics& extrinsics,
       mask_monitor_("dynamic/mask", expectation(), true),
       camera_monitor_("camera_info", expectation(), true) {}
 
-void MaskInput::configure(bool enabled, double max_age, const MaskFootprint& footprint) {
-  max_age_ = max_age;
-  footprint_ = footprint;
-  if (enabled == enabled_) return;
-  enabled_ = enabled;
-  if (enabled) {
+void MaskInput::configure(const EgoVelocityConfig& config) {
+  max_age_ = config.mask_max_age;
+  footprint_ = config.footprint;
+  // A mask is late where no scan can use it any more.
+  mask_monitor_.expectMaxAge(max_age_);
+  if (config.use_mask == enabled_) return;
+  enabled_ = config.use_mask;
+  if (enabled_) {
     subscribe();
     return;
   }
@@ -122,7 +125,9 @@ std::vector<std::uint8_t> MaskInput::markedBy(const std::vector<DopplerReturn>& 
     return {};
   }
   if (age > max_age_) {
-    reason = "the latest mask is " + std::to_string(age) + " s older than the scan (mask_max_age)";
+    const EgoVelocityConfig names;
+    reason = "the latest mask is " + std::to_string(age) + " s older than the scan (" +
+             nameOf(names, names.mask_max_age) + ")";
     return {};
   }
   const std::optional<Eigen::Isometry3d> T_base_from_camera =

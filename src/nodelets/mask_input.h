@@ -12,8 +12,8 @@
 #include "extrinsics.h"
 #include "image_messages.h"
 #include "input_monitor.h"
+#include "radar_dot/config/sections.h"
 #include "radar_dot/radar/doppler_returns.h"
-#include "radar_dot/vision/mask_footprint.h"
 #include "twist_history.h"
 
 namespace radar_dot {
@@ -25,8 +25,8 @@ class MaskInput {
   /// @param warn  for masks that cannot be used
   MaskInput(ros::NodeHandle& handle, Extrinsics& extrinsics, std::function<void(const std::string&)> warn);
 
-  /// @param max_age  s between the mask's image and a scan; an older mask says nothing
-  void configure(bool enabled, double max_age, const MaskFootprint& footprint);
+  /// use_mask, mask_max_age and the footprint. Does not throw.
+  void configure(const EgoVelocityConfig& config);
   /// A velocity of the vehicle, which brings returns to the time of the mask.
   void add(const StampedVelocity& velocity);
   void forget();

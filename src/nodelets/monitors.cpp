@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "radar_dot/radar/sweep_assembler.h"
+#include "read_parameters.h"
+
 namespace radar_dot {
 namespace {
 
@@ -100,10 +103,11 @@ void RadarMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status)
   } else if (good_ > 0 && !mount_error_.empty()) {
     status.summary(DiagnosticStatus::ERROR, mount_error_);
   } else if (outside() > kWaiting && 2 * outside() > good_) {
+    const SweepParams names;
     status.mergeSummaryf(DiagnosticStatus::WARN,
                          "%zu of %zu scans outside the window of %.2f s: check its clock or the "
-                         "parameter window",
-                         outside(), good_, window_);
+                         "parameter %s",
+                         outside(), good_, window_, nameOf(names, names.window));
   }
   status.add("topic", topic_);
   status.add("frame", frame_);

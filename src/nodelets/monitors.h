@@ -26,6 +26,8 @@ class StreamMonitor {
  public:
   explicit StreamMonitor(StreamExpectation expectation = {}) : expectation_(expectation) {}
 
+  /// @param max_age  s between stamp and arrival
+  void expectMaxAge(double max_age) { expectation_.max_age = max_age; }
   void tick(const ros::Time& stamp, const ros::Time& arrival);
   /// Of a topic that several sensors share: the rate is that of the arrivals.
   void tickUnordered(const ros::Time& stamp, const ros::Time& arrival);

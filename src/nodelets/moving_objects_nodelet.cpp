@@ -8,15 +8,15 @@
 #include <stdexcept>
 #include <utility>
 
-#include "object_parameters.h"
 #include "radar_dot/objects/object_detection.h"
+#include "read_parameters.h"
 
 namespace radar_dot {
 namespace {
 
 constexpr double kWaitingPeriod = 0.05;  // s, how often waiting scans and masks are looked at
 constexpr double kMaxSilence = 0.15;     // s of scans without a message
-constexpr double kStartTimeout = 1.0;   // s, until odometry and velocity are there at the start
+constexpr double kStartTimeout = 1.0;    // s, until odometry and velocity are there at the start
 constexpr std::uint32_t kOdometryQueue = 20;
 // The camera's number among the radars of the tracker.
 constexpr std::size_t kMaskSource = std::numeric_limits<std::size_t>::max();
@@ -24,24 +24,17 @@ constexpr std::size_t kMaskSource = std::numeric_limits<std::size_t>::max();
 }  // namespace
 
 void MovingObjectsNodelet::onInit() {
-  setUp("objects");
+  const GivenConfig<MovingObjectsConfig> given = readConfig<MovingObjectsConfig>(getPrivateNodeHandle());
+  config_ = given.config;
+  setUp("objects", config_.stream);
   ros::NodeHandle& handle = getNodeHandle();
-  ros::NodeHandle& private_handle = getPrivateNodeHandle();
-  extrinsics_ =
-      std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
+  extrinsics_ = std::make_unique<Extrinsics>(config_.stream.base_frame, handle);
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [] {}, [](const std::string&) {}, true);
-  const auto frame = private_handle.param<std::string>("frame", "odom");
-  in_base_frame_ = frame == "base";
-  if (!in_base_frame_ && frame != "odom")
-    reportProblem("frame '" + frame + "' is not one of odom, base; using odom");
-
   objects_publisher_ = handle.advertise<MovingObjects>("dynamic/objects", 10);
   markers_publisher_ = handle.advertise<visualization_msgs::MarkerArray>("dynamic/markers", 10);
   setUpInputs();
-  server_ = serve<MovingObjectsConfig>([](const MovingObjectsConfig& config) { validate(config); },
-                                       [this](const MovingObjectsConfig& config) { configure(config); },
-                                       {{"min_coast", "max_coast"}, {"min_body_length", "max_body_length"}});
+  serve<MovingObjectsConfig>(given, [this](const MovingObjectsConfig& config) { apply(config); });
   connectWhile(
       [this] { return objects_publisher_.getNumSubscribers() + markers_publisher_.getNumSubscribers() > 0; },
       [this] { connect(); }, [this] { disconnect(); });
@@ -126,8 +119,8 @@ void MovingObjectsNodelet::updateMaskSubscriptions() {
                      [this](const sensor_msgs::ImageConstPtr& image) { masks_.addMask(image); });
 }
 
-void MovingObjectsNodelet::configure(const MovingObjectsConfig& config) {
-  tracker_.configure(objectTrackerParams(config));
+void MovingObjectsNodelet::apply(const MovingObjectsConfig& config) {
+  tracker_.configure(config.tracker);
   config_ = config;
   updateMaskSubscriptions();
 }
@@ -146,7 +139,7 @@ void MovingObjectsNodelet::clearHistory() {
 
 void MovingObjectsNodelet::deleteMarkers() {
   std_msgs::Header header;
-  header.frame_id = in_base_frame_ ? extrinsics_->baseFrame() : odom_frame_;
+  header.frame_id = inBaseFrame() ? extrinsics_->baseFrame() : odom_frame_;
   if (!header.frame_id.empty()) markers_publisher_.publish(markers_.deleteAll(header));
 }
 
@@ -195,7 +188,8 @@ std::optional<Eigen::Isometry3d> MovingObjectsNodelet::poseAt(const ros::Time& t
     return std::nullopt;
   }
   if (time.toSec() - *latest > config_.max_pose_age) {
-    missing = "the latest pose on '" + odometry_input_->topic() + "' is older than max_pose_age";
+    missing = "the latest pose on '" + odometry_input_->topic() + "' is older than " +
+              nameOf(config_, config_.max_pose_age);
     return std::nullopt;
   }
   const EgoMotion::Answer motion =
@@ -248,10 +242,11 @@ bool MovingObjectsNodelet::useScan(const LabelledScan& scan, std::string& reason
   const std::optional<Eigen::Isometry3d> pose = poseAt(scan.stamp, reason);
   if (!pose) return false;
   const double time = scan.stamp.toSec();
-  const std::vector<ReturnOverGround> returns = returnsOf(scan, *mount, *velocity, overGroundParams(config_));
-  if (tracker_.update(time, scan.radar, detectObjects(time, returns, {}, detectionParams(config_)), *pose))
+  const std::vector<ReturnOverGround> returns = returnsOf(scan, *mount, *velocity, config_.returns);
+  if (tracker_.update(time, scan.radar, detectObjects(time, returns, {}, config_.detection), *pose))
     return true;
-  reason = "it is older than the newest scan by more than max_lag";
+  reason = std::string("it is older than the newest scan by more than ") +
+           nameOf(config_, config_.tracker.max_lag);
   return false;
 }
 
@@ -283,13 +278,13 @@ bool MovingObjectsNodelet::useMask(const MaskMessages& messages, std::string& re
   const std::optional<Eigen::Isometry3d> pose = poseAt(header.stamp, reason);
   if (!pose) return false;
   const double time = header.stamp.toSec();
-  std::vector<ObjectDetection> detections =
-      detectObjects(time, {}, regionsOf(messages, *camera_, *T_base_from_camera, maskRegionParams(config_)),
-                    detectionParams(config_));
+  std::vector<ObjectDetection> detections = detectObjects(
+      time, {}, regionsOf(messages, *camera_, *T_base_from_camera, config_.regions), config_.detection);
   // Masks have more false regions than scans have false returns.
   for (ObjectDetection& detection : detections) detection.moving = config_.mask_starts_tracks;
   if (tracker_.update(time, kMaskSource, detections, *pose)) return true;
-  reason = "it is older than the newest scan by more than max_lag";
+  reason = std::string("it is older than the newest scan by more than ") +
+           nameOf(config_, config_.tracker.max_lag);
   return false;
 }
 
@@ -298,15 +293,15 @@ void MovingObjectsNodelet::publish(const ros::Time& stamp) {
   std::string missing;
   const std::optional<Eigen::Isometry3d> pose = poseAt(stamp, missing);
   if (!pose) return;  // it was there for the scan
-  ObjectFrame frame;
-  if (in_base_frame_) {
+  FrameOfObjects frame;
+  if (inBaseFrame()) {
     frame.T_frame_from_odom = planarPose(*pose).inverse();
   } else {
     frame.height = pose->translation().z();
   }
   MovingObjects message;
   message.header.stamp = stamp;
-  message.header.frame_id = in_base_frame_ ? extrinsics_->baseFrame() : odom_frame_;
+  message.header.frame_id = inBaseFrame() ? extrinsics_->baseFrame() : odom_frame_;
   for (const ObjectTrack& track : tracker_.moving(stamp.toSec()))
     message.objects.push_back(objectMessage(track, stamp, frame, config_.image_max_age));
   std::sort(message.objects.begin(), message.objects.end(),

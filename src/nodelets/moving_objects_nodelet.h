@@ -15,7 +15,7 @@
 #include "object_messages.h"
 #include "object_regions.h"
 #include "pose_buffer.h"
-#include "radar_dot/MovingObjectsConfig.h"
+#include "radar_dot/config/sections.h"
 #include "radar_dot/objects/object_tracker.h"
 #include "stream_nodelet.h"
 
@@ -33,7 +33,7 @@ class MovingObjectsNodelet : public StreamNodelet {
   void connect();
   void disconnect();
   void updateMaskSubscriptions();
-  void configure(const MovingObjectsConfig& config);
+  void apply(const MovingObjectsConfig& config);
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
@@ -48,10 +48,10 @@ class MovingObjectsNodelet : public StreamNodelet {
   std::optional<Eigen::Isometry3d> poseAt(const ros::Time& time, std::string& missing);
   void publish(const ros::Time& stamp);
   void deleteMarkers();
+  bool inBaseFrame() const noexcept { return config_.frame == ObjectFrame::kBase; }
   void drop(const std::string& reason);
 
-  MovingObjectsConfig config_ = MovingObjectsConfig::__getDefault__();
-  bool in_base_frame_ = false;  // parameter frame
+  MovingObjectsConfig config_;  // in force
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   LabelledScans scans_;
@@ -70,7 +70,6 @@ class MovingObjectsNodelet : public StreamNodelet {
   ros::Subscriber static_subscriber_, dynamic_subscriber_, twist_subscriber_, odometry_subscriber_,
       mask_subscriber_, depth_subscriber_, flow_subscriber_, expected_flow_subscriber_, camera_subscriber_;
   ros::Publisher objects_publisher_, markers_publisher_;
-  std::unique_ptr<dynamic_reconfigure::Server<MovingObjectsConfig>> server_;
   ros::WallTimer waiting_timer_;
 
   // For the diagnostic.

@@ -16,7 +16,7 @@ using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
 constexpr std::array<const char*, 3> kNamespaces = {"objects", "velocities", "labels"};
-constexpr double kDiameter = 2.0, kHeight = 1.6;  // m: nobody measured how large an object is
+constexpr double kDiameter = 2.0, kHeight = 1.6;  // m: how large an object is, is not measured
 
 template <typename Array>
 void store(const Eigen::Matrix2d& covariance, Array& message) {
@@ -94,7 +94,7 @@ Eigen::Isometry2d planarPose(const Eigen::Isometry3d& pose) {
   return planar;
 }
 
-MovingObject objectMessage(const ObjectTrack& track, const ros::Time& stamp, const ObjectFrame& frame,
+MovingObject objectMessage(const ObjectTrack& track, const ros::Time& stamp, const FrameOfObjects& frame,
                            double image_max_age) {
   const Eigen::Matrix2d R = frame.T_frame_from_odom.linear();
   const Eigen::Vector2d position = frame.T_frame_from_odom * track.position();

@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "parameters.h"
 #include "twist_history.h"
 
 namespace radar_dot {
@@ -28,19 +27,13 @@ Eigen::Vector3d vectorOf(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.
 
 void OdometryNodelet::onInit() {
   ros::NodeHandle& handle = getNodeHandle();
-  ros::NodeHandle& private_handle = getPrivateNodeHandle();
-
-  odom_frame_ = private_handle.param<std::string>("odom_frame", "odom");
-  start_at_source_ = private_handle.param("start_at_source", false);
-  publish_tf_ = private_handle.param("publish_tf", true);
-  publish_source_tf_ = private_handle.param("publish_source_tf", false);
-  extrinsics_ =
-      std::make_unique<Extrinsics>(private_handle.param<std::string>("base_frame", "base_link"), handle);
+  const GivenConfig<OdometryConfig> given = readConfig<OdometryConfig>(getPrivateNodeHandle());
+  config_ = given.config;
+  extrinsics_ = std::make_unique<Extrinsics>(config_.base_frame, handle);
   StreamExpectation expectation;
-  expectation.rate = positiveParameter(private_handle, "expected_rate", expectation.rate);
-  expectation.rate_tolerance =
-      positiveParameter(private_handle, "rate_tolerance", expectation.rate_tolerance);
-  expectation.max_age = positiveParameter(private_handle, "max_age", expectation.max_age);
+  expectation.rate = config_.expected_rate;
+  expectation.rate_tolerance = config_.rate_tolerance;
+  expectation.max_age = config_.max_age;
   expectation.silent_after = std::max(expectation.silent_after, 3.0 / expectation.rate);
   twist_monitor_ = std::make_unique<StreamMonitor>(expectation);
 
@@ -50,12 +43,12 @@ void OdometryNodelet::onInit() {
       handle.advertise<nav_msgs::Path>("path", 1, [this](const ros::SingleSubscriberPublisher& subscriber) {
         if (!path_.poses.empty()) subscriber.publish(path_);
       });
-  path_.header.frame_id = odom_frame_;
+  path_.header.frame_id = config_.rotation.odom_frame;
   broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
   static_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
 
-  reconfigure_server_ = std::make_unique<dynamic_reconfigure::Server<OdometryConfig>>(private_handle);
-  reconfigure_server_->setCallback([this](OdometryConfig& config, std::uint32_t) { config_ = config; });
+  server_ = std::make_unique<ReconfigureServer<OdometryConfig>>(
+      getPrivateNodeHandle(), given, [this](const OdometryConfig& config) { config_ = config; });
   setUpRotationSource();
   setUpDiagnostics();
   twist_subscriber_ = handle.subscribe<geometry_msgs::TwistWithCovarianceStamped>(
@@ -64,7 +57,6 @@ void OdometryNodelet::onInit() {
 }
 
 void OdometryNodelet::setUpRotationSource() {
-  ros::NodeHandle& private_handle = getPrivateNodeHandle();
   RotationSource::Callbacks callbacks;
   callbacks.sample = [this] {
     publishSourceTf();
@@ -75,16 +67,18 @@ void OdometryNodelet::setUpRotationSource() {
   callbacks.warn = [this](const std::string& text) { warn(text); };
   try {
     rotation_source_ =
-        makeRotationSource(private_handle.param<std::string>("rotation_source", "radar"), getNodeHandle(),
-                           private_handle, *extrinsics_, std::move(callbacks));
+        makeRotationSource(config_.rotation, getNodeHandle(), *extrinsics_, std::move(callbacks));
   } catch (const std::invalid_argument& error) {
     configuration_error_ = std::string(error.what()) + "; using the yaw rate of the radars";
     NODELET_ERROR("%s: %s", getName().c_str(), configuration_error_.c_str());
   }
-  if (start_at_source_ && !(rotation_source_ && rotation_source_->hasPosition())) {
-    configuration_error_ = "start_at_source needs rotation_source odometry or tf; starting at the origin";
-    NODELET_ERROR("%s: %s", getName().c_str(), configuration_error_.c_str());
-    start_at_source_ = false;
+  start_at_source_ = config_.start_at_source && rotation_source_ && rotation_source_->hasPosition();
+  if (config_.start_at_source && !start_at_source_) {
+    const std::string problem = std::string(nameOf(config_, config_.start_at_source)) + " needs a " +
+                                nameOf(config_, config_.rotation.source) +
+                                " with a position (odometry, tf); starting at the origin";
+    NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
+    configuration_error_ += (configuration_error_.empty() ? "" : "; ") + problem;
   }
   if (rotation_source_) {
     pending_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kPendingPeriod),
@@ -114,7 +108,10 @@ void OdometryNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status
   if (!unobserved_.empty()) {
     status.mergeSummary(DiagnosticStatus::WARN, "not observed, least sideslip assumed: " + unobserved_);
   }
-  if (!configuration_error_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, configuration_error_);
+  if (!server_->refusal().empty())
+    status.mergeSummary(DiagnosticStatus::WARN, "rejected: " + server_->refusal());
+  for (const std::string& error : {configuration_error_, server_->error()})
+    if (!error.empty()) status.mergeSummary(DiagnosticStatus::ERROR, error);
   status.add("twist topic", twist_subscriber_.getTopic());
   status.addf("distance (m)", "%.2f", distance_before_gap_ + integrator_.state().distance);
   status.addf("gaps", "%zu", gaps_);
@@ -236,13 +233,15 @@ bool OdometryNodelet::start(const std::optional<PoseSample>& pose) {
 
 void OdometryNodelet::publishSourceTf() {
   const std::string frame = rotation_source_->frame();
-  if (!publish_source_tf_ || !start_at_source_ || frame == tied_frame_ || frame == odom_frame_) return;
+  if (!config_.publish_source_tf || !start_at_source_ || frame == tied_frame_ ||
+      frame == config_.rotation.odom_frame)
+    return;
   tied_frame_ = frame;
   // We start at the source's own pose: the two frames coincide.
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = ros::Time::now();
   transform.header.frame_id = frame;
-  transform.child_frame_id = odom_frame_;
+  transform.child_frame_id = config_.rotation.odom_frame;
   transform.transform.rotation.w = 1.0;
   static_broadcaster_->sendTransform(transform);
 }
@@ -268,7 +267,7 @@ OdometryNodelet::BodyVelocity OdometryNodelet::bodyVelocity(
   for (Eigen::Index i = 0; i < 6; ++i) {
     if (velocity.covariance(i, i) < kUnobservedVariance) continue;
     const bool vertical = i == 2 || i == 3 || i == 4;
-    // A vehicle on its wheels neither climbs nor rolls nor pitches by itself: no news for anybody.
+    // A vehicle on its wheels neither climbs nor rolls nor pitches by itself: nothing to report.
     if (vertical) (i < 3 ? velocity.linear(i) : velocity.angular(i - 3)) = 0.0;
     // vx, vy and wz stay as given: together they are what the returns allow with the least sideslip.
     if (i < 2 || (i == 5 && !rotation_known))
@@ -286,8 +285,8 @@ void OdometryNodelet::bridgeGap(double gap, double speed) {
   covariance_before_gap_.topLeftCorner<3, 3>().diagonal().array() += speed * speed * gap * gap;
   integrator_.reset(state.T_odom_from_base);
   ++gaps_;
-  NODELET_WARN("%s: no twist for %.2f s (max_gap %.2f s): not integrated over", getName().c_str(), gap,
-               config_.max_gap);
+  NODELET_WARN("%s: no twist for %.2f s (%s %.2f s): not integrated over", getName().c_str(), gap,
+               nameOf(config_, config_.max_gap), config_.max_gap);
 }
 
 void OdometryNodelet::integrate(const geometry_msgs::TwistWithCovarianceStamped& twist,
@@ -311,7 +310,7 @@ void OdometryNodelet::publish(const geometry_msgs::TwistWithCovarianceStamped& t
 
   nav_msgs::Odometry odometry;
   odometry.header.stamp = twist.header.stamp;
-  odometry.header.frame_id = odom_frame_;
+  odometry.header.frame_id = config_.rotation.odom_frame;
   odometry.child_frame_id = extrinsics_->baseFrame();
   odometry.pose.pose.position.x = position.x();
   odometry.pose.pose.position.y = position.y();
@@ -325,7 +324,7 @@ void OdometryNodelet::publish(const geometry_msgs::TwistWithCovarianceStamped& t
   odometry.twist = twist.twist;
   odometry_publisher_.publish(odometry);
 
-  if (publish_tf_) {
+  if (config_.publish_tf) {
     geometry_msgs::TransformStamped transform;
     transform.header = odometry.header;
     transform.child_frame_id = odometry.child_frame_id;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
-#include <dynamic_reconfigure/server.h>
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <nav_msgs/Path.h>
 #include <nodelet/nodelet.h>
@@ -19,8 +18,9 @@
 #include "extrinsics.h"
 #include "log_throttle.h"
 #include "monitors.h"
-#include "radar_dot/OdometryConfig.h"
+#include "radar_dot/config/sections.h"
 #include "radar_dot/radar/odometry.h"
+#include "reconfigure_server.h"
 #include "rotation_source.h"
 #include "stamp_guard.h"
 
@@ -70,13 +70,10 @@ class OdometryNodelet : public nodelet::Nodelet {
   void publish(const geometry_msgs::TwistWithCovarianceStamped& twist);
   void extendPath(const geometry_msgs::PoseStamped& pose);
 
-  std::string odom_frame_;
-  bool start_at_source_ = false;
-  bool publish_tf_ = true;
-  bool publish_source_tf_ = false;
-  std::string tied_frame_;  // frame of the source that was published to coincide with odom_frame_
-  OdometryConfig config_ = OdometryConfig::__getDefault__();
-  std::string configuration_error_;
+  OdometryConfig config_;            // in force
+  bool start_at_source_ = false;     // as configured, where the source has a position
+  std::string tied_frame_;           // frame of the source that was published to coincide with odom_frame
+  std::string configuration_error_;  // of the rotation source
 
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<RotationSource> rotation_source_;  // none: the twist's own yaw rate
@@ -87,7 +84,7 @@ class OdometryNodelet : public nodelet::Nodelet {
   VelocityIntegrator integrator_;
   bool started_ = false;
   std::optional<Eigen::Quaterniond> R_odom_from_source_;
-  // What the integrator had availability before it was restarted at a gap.
+  // What the integrator had found before it was restarted at a gap.
   double distance_before_gap_ = 0.0;
   Eigen::Matrix<double, 6, 6> covariance_before_gap_ = Eigen::Matrix<double, 6, 6>::Zero();
   nav_msgs::Path path_;
@@ -102,7 +99,7 @@ class OdometryNodelet : public nodelet::Nodelet {
   std::unique_ptr<tf2_ros::StaticTransformBroadcaster> static_broadcaster_;
   ros::Subscriber twist_subscriber_;
   LogThrottle throttle_;
-  std::unique_ptr<dynamic_reconfigure::Server<OdometryConfig>> reconfigure_server_;
+  std::unique_ptr<ReconfigureServer<OdometryConfig>> server_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   ros::WallTimer diagnostics_timer_, pending_timer_;
 };

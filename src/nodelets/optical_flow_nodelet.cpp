@@ -8,7 +8,7 @@
 
 #include "radar_dot/vision/motion_segmentation.h"
 #include "radar_dot/vision/rigid_motion.h"
-#include "vision_parameters.h"
+#include "read_parameters.h"
 
 namespace radar_dot {
 namespace {
@@ -21,13 +21,28 @@ constexpr double kTwistHold = 0.3;         // s that the latest twist holds; onl
 // Of the asked-for interval: images are not taken exactly in time.
 constexpr double kIntervalTolerance = 0.1;
 
+/// @throws InvalidParameter for a backend that cannot be made: naming what chooses it
+std::unique_ptr<OpticalFlow> flowOf(const OpticalFlowParams& params) {
+  try {
+    return makeOpticalFlow(params);
+  } catch (const InvalidParameter&) {
+    throw;
+  } catch (const std::exception& error) {
+    const std::vector<const void*> members = {&params.backend,        &params.network.model,
+                                              &params.network.device, &params.network.threads,
+                                              &params.network_width,  &params.network_height};
+    throw InvalidParameter(namesOf(params, members), error.what());
+  }
+}
+
 }  // namespace
 
 void OpticalFlowNodelet::onInit() {
-  setUp("flow");
+  const GivenConfig<OpticalFlowConfig> given = readConfig<OpticalFlowConfig>(getPrivateNodeHandle());
+  config_ = given.config;
+  setUp("flow", config_.stream);
   ros::NodeHandle& handle = getNodeHandle();
-  extrinsics_ = std::make_unique<Extrinsics>(
-      getPrivateNodeHandle().param<std::string>("base_frame", "base_link"), handle);
+  extrinsics_ = std::make_unique<Extrinsics>(config_.stream.base_frame, handle);
   // Without a source of rotation: its latest sample comes later than the image, and flow would wait for it.
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [this] { scheduleQueue(kNext); },
@@ -39,37 +54,28 @@ void OpticalFlowNodelet::onInit() {
   publisher_ = handle.advertise<Flow>("flow", 3);
   backward_publisher_ = handle.advertise<Flow>("flow/backward", 3);
 
-  server_ = serve<OpticalFlowConfig>(
-      [this](const OpticalFlowConfig& config) {
-        checked_flow_ = makeOpticalFlow(opticalFlowParams(config));
-        if (!(config.pair_interval < config.max_pair_gap)) {
-          throw std::invalid_argument("pair_interval (" + std::to_string(config.pair_interval) +
-                                      " s) must be smaller than max_pair_gap (" +
-                                      std::to_string(config.max_pair_gap) + " s)");
-        }
-      },
-      [this](const OpticalFlowConfig& config) { configure(config); },
-      {{"pair_interval", "max_pair_gap"}, {"backend", "model", "device", "network_width", "network_height"}});
   checkTransport();
   compute_timer_ = handle.createWallTimer(
       ros::WallDuration(kNext),
       [this](const ros::WallTimerEvent&) { guard(*image_, [this] { processQueue(); }); }, true, false);
+  serve<OpticalFlowConfig>(given, [this](const OpticalFlowConfig& config) { apply(config); });
   connectWhile(
       [this] { return publisher_.getNumSubscribers() + backward_publisher_.getNumSubscribers() > 0; },
       [this] { connect(); }, [this] { disconnect(); });
 }
 
-void OpticalFlowNodelet::configure(const OpticalFlowConfig& config) {
+void OpticalFlowNodelet::apply(const OpticalFlowConfig& config) {
+  // A network takes seconds to load, and may fail to: then nothing has changed.
+  if (!flow_ || !sameFields(config_.flow, config.flow)) flow_ = flowOf(config.flow);
+  // The order of its images is that of the former direction.
+  if (config_.direction != config.direction) waiting_.reset();
   config_ = config;
-  flow_ = makeOpticalFlow(opticalFlowParams(config));
-  checked_flow_.reset();
-  waiting_.reset();
   updateInitialFlowSubscriptions();
 }
 
 void OpticalFlowNodelet::updateInitialFlowSubscriptions() {
   const bool listening = static_cast<bool>(depth_subscriber_);
-  const bool wanted = connected() && config_.initialisation == "expected";
+  const bool wanted = connected() && config_.flow.initialisation == FlowStart::kExpected;
   if (wanted && !listening) listenForExpectedFlow();
   if (!wanted && listening) stopListeningForExpectedFlow();
 }
@@ -110,7 +116,7 @@ void OpticalFlowNodelet::clearHistory() {
   waiting_.reset();
   depths_.clear();
   motion_->forget();
-  flow_->reset();
+  if (flow_) flow_->reset();
 }
 
 void OpticalFlowNodelet::onImage(LazyImage picture) {
@@ -126,15 +132,15 @@ void OpticalFlowNodelet::onImage(LazyImage picture) {
   previous_ = current;
   if (interval_ > config_.max_pair_gap) {
     ++apart_;
-    flow_->reset();
+    if (flow_) flow_->reset();
     warn("gap", "images on '" + image_->topic() + "' " + std::to_string(interval_) +
-                    " s apart are no pair (max_pair_gap)");
+                    " s apart are no pair (" + nameOf(config_, config_.max_pair_gap) + ")");
     return;
   }
   // Who comes in place of a pair that waited has waited as long: else none might ever be computed.
   const ros::WallTime since = waiting_ ? waiting_->arrival : ros::WallTime::now();
   if (waiting_) ++replaced_;
-  const bool forward = config_.direction == "forward";
+  const bool forward = config_.direction == FlowDirection::kForward;
   waiting_ = Pair{forward ? before : current, forward ? current : before, since};
   scheduleQueue(kNext);
 }
@@ -181,7 +187,7 @@ void OpticalFlowNodelet::processQueue() {
   if (!waiting_) return;
   const Pair pair = *waiting_;
   cv::Mat expected;
-  if (config_.initialisation == "expected") {
+  if (config_.flow.initialisation == FlowStart::kExpected) {
     const bool within_timeout = (ros::WallTime::now() - pair.arrival).toSec() < config_.expected_timeout;
     std::string missing;
     bool may_come = within_timeout && !depths_.isPast(pair.first->header().stamp);
@@ -205,15 +211,16 @@ void OpticalFlowNodelet::processQueue() {
 }
 
 void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
+  if (!flow_) throw std::invalid_argument("no optical flow: " + configurationError());
   const ros::WallTime start = ros::WallTime::now();
   const cv::Mat& first = pair.first->pixels();
   const std_msgs::Header& first_header = pair.first->header();
   const std_msgs::Header& second_header = pair.second->header();
   const FlowField field = flow_->compute(first, pair.second->pixels(), expected);
   // The way back goes first: who looks back from the next flow finds it there.
-  if (config_.forward_backward && backward_publisher_.getNumSubscribers() > 0) {
-    backward_publisher_.publish(flowMessage(second_header, first_header.stamp,
-                                            backwardField(field, opticalFlowParams(config_)), first.size()));
+  if (config_.flow.forward_backward && backward_publisher_.getNumSubscribers() > 0) {
+    backward_publisher_.publish(
+        flowMessage(second_header, first_header.stamp, backwardField(field, config_.flow), first.size()));
   }
   computation_time_ = (ros::WallTime::now() - start).toSec();
   publisher_.publish(flowMessage(first_header, second_header.stamp, field, first.size()));
@@ -231,9 +238,8 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   } else if (without_flow > silentAfter() + config_.pair_interval) {
     status.summaryf(DiagnosticStatus::ERROR, "no flow for %.1f s", without_flow);
     if (interval_ > config_.max_pair_gap) {
-      status.mergeSummaryf(DiagnosticStatus::ERROR,
-                           "images are %.2f s apart, more than max_pair_gap (%.2f s)", interval_,
-                           config_.max_pair_gap);
+      status.mergeSummaryf(DiagnosticStatus::ERROR, "images are %.2f s apart, more than %s (%.2f s)",
+                           interval_, nameOf(config_, config_.max_pair_gap), config_.max_pair_gap);
     }
   } else if (without_start_ > 0) {
     status.summaryf(DiagnosticStatus::WARN, "%zu pairs without an initial flow", without_start_);

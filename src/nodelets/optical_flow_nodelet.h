@@ -9,7 +9,7 @@
 
 #include "ego_motion.h"
 #include "image_subscriber.h"
-#include "radar_dot/OpticalFlowConfig.h"
+#include "radar_dot/config/sections.h"
 #include "stamp_cache.h"
 
 namespace radar_dot {
@@ -27,7 +27,7 @@ class OpticalFlowNodelet : public ImageSubscriber {
   };
 
   void onInit() override;
-  void configure(const OpticalFlowConfig& config);
+  void apply(const OpticalFlowConfig& config);
   void connect();
   void disconnect();
   /// Listens to what initialisation "expected" needs, or no longer.
@@ -46,9 +46,8 @@ class OpticalFlowNodelet : public ImageSubscriber {
   cv::Mat expectedFlowOf(const Pair& pair, bool within_timeout, std::string& missing);
   void compute(const Pair& pair, const cv::Mat& expected);
 
-  OpticalFlowConfig config_ = OpticalFlowConfig::__getDefault__();
-  std::unique_ptr<OpticalFlow> flow_;
-  std::unique_ptr<OpticalFlow> checked_flow_;  // until it is in use: its network need not be loaded twice
+  OpticalFlowConfig config_;           // in force
+  std::unique_ptr<OpticalFlow> flow_;  // none: no backend could be made
   SharedImage previous_;
   std::optional<Pair> waiting_;
 
@@ -62,7 +61,6 @@ class OpticalFlowNodelet : public ImageSubscriber {
   InputMonitor *depth_input_ = nullptr, *camera_input_ = nullptr, *twist_input_ = nullptr;
   ros::Subscriber image_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_;
   ros::Publisher publisher_, backward_publisher_;
-  std::unique_ptr<dynamic_reconfigure::Server<OpticalFlowConfig>> server_;
   ros::WallTimer compute_timer_;
 
   double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;  // s, of the latest pair

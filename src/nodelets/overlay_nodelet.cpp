@@ -12,7 +12,7 @@ namespace radar_dot {
 namespace {
 
 constexpr double kPeriod = 0.05;        // s, how often subscribers and waiting masks are looked at
-constexpr double kInputTimeout = 0.3;       // s that a mask waits for what belongs to it
+constexpr double kInputTimeout = 0.3;   // s that a mask waits for what belongs to it
 constexpr std::size_t kMaxWaiting = 4;  // masks
 constexpr double kKept = 2.0;           // s of images: as long as the other inputs are kept
 constexpr std::size_t kMaxKept = 40;    // images; raw ones are large
@@ -22,10 +22,11 @@ constexpr float kNearest = 0.1F;  // m; what is nearer to the camera's plane has
 }  // namespace
 
 void OverlayNodelet::onInit() {
-  setUp("overlay");
+  const GivenConfig<OverlayConfig> given = readConfig<OverlayConfig>(getPrivateNodeHandle());
+  config_ = given.config;
+  setUp("overlay", config_.stream);
   ros::NodeHandle& handle = getNodeHandle();
-  extrinsics_ = std::make_unique<Extrinsics>(
-      getPrivateNodeHandle().param<std::string>("base_frame", "base_link"), handle);
+  extrinsics_ = std::make_unique<Extrinsics>(config_.stream.base_frame, handle);
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [] {}, [this](const std::string& text) { warn("rotation", text); });
   const auto warn_of_sensor = [this](const std::string& text) { warn("sensor", text); };
@@ -51,10 +52,9 @@ void OverlayNodelet::onInit() {
   transport_ = std::make_unique<image_transport::ImageTransport>(handle);
   mask_publisher_ = transport_->advertise("overlay/mask", 2);
   panels_publisher_ = transport_->advertise("overlay/six_panel", 2);
-  server_ = serve<OverlayConfig>([](const OverlayConfig&) {},
-                                 [this](const OverlayConfig& config) { config_ = config; });
+  serve<OverlayConfig>(given, [this](const OverlayConfig& config) { config_ = config; });
   timer_ = handle.createWallTimer(ros::WallDuration(kPeriod), [this](const ros::WallTimerEvent&) {
-    updateSubscriptions();
+    attempt([this] { updateSubscriptions(); });
     guard(*mask_input_, [this] { processQueue(); });
   });
 }
@@ -215,7 +215,7 @@ void OverlayNodelet::draw(const sensor_msgs::ImageConstPtr& message, const Parts
     input.radar = radarPixels(header);
     input.max_flow = config_.max_flow;
     input.max_residual = config_.max_residual;
-    input.max_depth = config_.max_depth;
+    input.max_depth = config_.max_drawn_depth;
     input.panel = {config_.panel_width, static_cast<int>(std::lround(config_.panel_width * kPanelShape))};
     panels_publisher_.publish(imageMessage(header, "bgr8", sixPanel(input)));
   }

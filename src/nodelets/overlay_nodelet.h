@@ -11,7 +11,7 @@
 
 #include "cloud_points.h"
 #include "image_subscriber.h"
-#include "radar_dot/OverlayConfig.h"
+#include "radar_dot/config/sections.h"
 #include "radar_dot/vision/drawing.h"
 #include "stamp_cache.h"
 
@@ -56,7 +56,7 @@ class OverlayNodelet : public ImageSubscriber {
   void draw(const sensor_msgs::ImageConstPtr& mask, const Parts& parts);
   std::vector<RadarPixel> radarPixels(const std_msgs::Header& header);
 
-  OverlayConfig config_ = OverlayConfig::__getDefault__();
+  OverlayConfig config_;  // in force
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> static_returns_, dynamic_returns_;
@@ -74,7 +74,6 @@ class OverlayNodelet : public ImageSubscriber {
   std::vector<ros::Subscriber> subscribers_;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Publisher mask_publisher_, panels_publisher_;
-  std::unique_ptr<dynamic_reconfigure::Server<OverlayConfig>> server_;
   ros::WallTimer timer_;
 
   ros::WallTime last_drawn_;

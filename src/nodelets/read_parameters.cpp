@@ -113,7 +113,7 @@ std::string defaultText(const Field& field) {
 void readEntry(const XmlRpcValue& given, const FieldList& fields) {
   if (given.getType() != XmlRpcValue::TypeStruct)
     throw InvalidParameter({}, "is " + textOf(given) + ", must be a dictionary");
-  // In an entry nobody else has parameters, and one without the parameter that was meant may do harm.
+  // An entry has no parameters of others, and one without the parameter that was meant may do harm.
   for (const auto& [name, value] : given) {
     const Field* field = fields.find(name);
     if (field == nullptr)
@@ -129,8 +129,8 @@ void readEntry(const XmlRpcValue& given, const FieldList& fields) {
 void readDictionary(const XmlRpcValue& given, const std::string& place, const FieldDictionary& dictionary,
                     ParameterProblems& problems) {
   if (given.getType() != XmlRpcValue::TypeStruct) {
-    problems.lines.push_back(
-        fmt::format("{} is {}, must be a dictionary: name -> parameters", place, textOf(given)));
+    problems.add(fmt::format("{} is {}, must be a dictionary: name -> parameters", place, textOf(given)),
+                 true);
     problems.refused.emplace_back(dictionary.name);
     return;
   }
@@ -142,7 +142,7 @@ void readDictionary(const XmlRpcValue& given, const std::string& place, const Fi
       dictionary.erase(key);
       const std::string what = error.what();
       const char* gap = what.front() == '/' ? "" : " ";
-      problems.lines.push_back(fmt::format("{}/{}{}{}; {} is left out", place, key, gap, what, key));
+      problems.add(fmt::format("{}/{}{}{}; {} is left out", place, key, gap, what, key), true);
       problems.refused.push_back(fmt::format("{}/{}", dictionary.name, key));
     }
   }
@@ -195,7 +195,25 @@ void fallBackEntirely(const FieldList& fields, const FieldList& defaults, Parame
     if (!field.at_start && toDefault(field, defaults)) problems.refused.emplace_back(field.name);
 }
 
+/// Does none of the names stand for a parameter that can change while the nodelet runs?
+bool isReadAtStart(const std::vector<std::string>& names, const FieldList& fields) {
+  return std::all_of(names.begin(), names.end(), [&fields](const std::string& name) {
+    const Field* field = fields.find(name);
+    return field == nullptr || field->at_start;  // entries of dictionaries are no fields
+  });
+}
+
 }  // namespace
+
+void ParameterProblems::add(const std::string& line, bool lasting) {
+  lines.push_back(line);
+  if (lasting) lasting_lines.push_back(line);
+}
+
+void ParameterProblems::keepLasting() {
+  lines = lasting_lines;
+  refused.clear();
+}
 
 bool ParameterProblems::concern(std::string_view name) const {
   return std::find(refused.begin(), refused.end(), name) != refused.end();
@@ -212,8 +230,8 @@ void readFields(const XmlRpcValue& given, const std::string& space, const FieldL
     try {
       setFrom(value, *field);
     } catch (const InvalidParameter& error) {
-      problems.lines.push_back(
-          fmt::format("{}/{}; using the default {}", space, error.what(), defaultText(*field)));
+      problems.add(fmt::format("{}/{}; using the default {}", space, error.what(), defaultText(*field)),
+                   field->at_start);
       problems.refused.push_back(name);
     }
   }
@@ -255,19 +273,19 @@ bool fallBackUntil(const std::function<void()>& attempt, const std::string& spac
       reason = error.what();
       const std::string outcome = fallBack(error.names(), fields, defaults, problems);
       if (!outcome.empty()) {
-        problems.lines.push_back(fmt::format("{}: {}; {}", space, reason, outcome));
+        problems.add(fmt::format("{}: {}; {}", space, reason, outcome), isReadAtStart(error.names(), fields));
         continue;
       }
     } catch (const std::exception& error) {
       reason = error.what();
     }
     if (has_defaults) {
-      problems.lines.push_back(fmt::format("{}: {}, with the defaults too", space, reason));
+      problems.add(fmt::format("{}: {}, with the defaults too", space, reason), false);
       return false;
     }
     has_defaults = true;
     fallBackEntirely(fields, defaults, problems);
-    problems.lines.push_back(fmt::format("{}: {}; all parameters have their defaults", space, reason));
+    problems.add(fmt::format("{}: {}; using defaults for all parameters", space, reason), false);
   }
 }
 
@@ -282,6 +300,16 @@ XmlRpcValue toXmlRpc(const Field& field) {
     XmlRpcValue operator()(const std::vector<std::string>& list) const { return arrayOf(list); }
   };
   return std::visit(Convert(), field.get());
+}
+
+std::string topicDefect(const ros::NodeHandle& handle, const std::string& topic) {
+  if (topic.empty()) return "its name is empty";
+  try {
+    handle.resolveName(topic);
+    return {};
+  } catch (const std::exception& error) {
+    return error.what();
+  }
 }
 
 void readParameters(const ros::NodeHandle& private_handle, const FieldList& fields,

@@ -22,9 +22,14 @@ namespace radar_dot {
 /// What was wrong with the parameters that were given at start.
 struct ParameterProblems {
   std::vector<std::string> lines;  ///< one sentence each, with the full names
+  /// Of the lines, those of parameters that are read at start only.
+  std::vector<std::string> lasting_lines;
   /// Fields that have their defaults instead of what was given; "radars/front": an entry that was left out.
   std::vector<std::string> refused;
 
+  void add(const std::string& line, bool lasting);
+  /// After a valid change of the others.
+  void keepLasting();
   bool concern(std::string_view name) const;
   /// All lines in one; empty: nothing is wrong.
   std::string text() const;
@@ -34,7 +39,7 @@ struct ParameterProblems {
 void readFields(const XmlRpc::XmlRpcValue& given, const std::string& space, const FieldList& fields,
                 ParameterProblems& problems);
 
-/// One line for each name in the namespace that nobody reads: most often it is misspelt.
+/// One line for each name in the namespace that is not read: most often it is misspelt.
 std::vector<std::string> unknownParameters(const XmlRpc::XmlRpcValue& given, const std::string& space,
                                            const FieldList& fields);
 
@@ -53,6 +58,23 @@ void readParameters(const ros::NodeHandle& private_handle, const FieldList& fiel
 
 /// One error line for each problem from `first` on.
 void logProblems(const ParameterProblems& problems, std::size_t first = 0);
+
+/// The name of a parameter, for messages. @param member  of the configuration
+template <typename Config, typename Member>
+const char* nameOf(const Config& config, const Member& member) {
+  return fieldsOf(config).of(&member).name;
+}
+
+template <typename Config>
+std::vector<std::string> namesOf(const Config& config, const std::vector<const void*>& members) {
+  const FieldList fields = fieldsOf(config);
+  std::vector<std::string> names;
+  for (const void* member : members) names.emplace_back(fields.of(member).name);
+  return names;
+}
+
+/// Why nothing can be subscribed by this name; empty: it can.
+std::string topicDefect(const ros::NodeHandle& handle, const std::string& topic);
 
 template <typename Config, typename = void>
 struct HasRules : std::false_type {};

@@ -10,6 +10,13 @@
 
 namespace radar_dot {
 
+bool failsWithItsCalls(std::string_view node) {
+  constexpr std::string_view kTool = "rqt";
+  const std::size_t slash = node.find_last_of('/');
+  if (slash != std::string_view::npos) node.remove_prefix(slash + 1);
+  return node.substr(0, kTool.size()) == kTool;
+}
+
 ReconfigureServerBase::ReconfigureServerBase(const ros::NodeHandle& private_handle,
                                              ParameterProblems problems)
     : handle_(private_handle), problems_(std::move(problems)) {}
@@ -34,23 +41,26 @@ void ReconfigureServerBase::start() {
 
 void ReconfigureServerBase::stop() { service_.shutdown(); }
 
-bool ReconfigureServerBase::set(dynamic_reconfigure::Reconfigure::Request& request,
-                                dynamic_reconfigure::Reconfigure::Response& response) {
+bool ReconfigureServerBase::set(Call& call) {
   std::vector<std::string> names;
   try {
-    change([&](const FieldList& fields) { names = writeRequest(request.config, fields); });
+    change([&](const FieldList& fields) { names = writeRequest(call.getRequest().config, fields); });
   } catch (const std::exception& error) {
     ROS_ERROR("%s: rejected: %s; parameters unchanged", handle_.getNamespace().c_str(), error.what());
+    call.getResponse().config = messageOf(inForce());
     // The client that asked shows what it asked for.
-    updates_.publish(messageOf(inForce()));
-    throw;  // roscpp sends the text to the client
+    updates_.publish(call.getResponse().config);
+    if (!failsWithItsCalls(call.getCallerName())) throw;  // roscpp sends the text to the client
+    refusal_ = error.what();
+    return true;
   }
   usable_ = true;
-  problems_ = {};
+  refusal_.clear();
+  problems_.keepLasting();
   const FieldList fields = inForce();
   for (const std::string& name : names) store(*fields.find(name));
-  response.config = messageOf(fields);
-  updates_.publish(response.config);
+  call.getResponse().config = messageOf(fields);
+  updates_.publish(call.getResponse().config);
   return true;
 }
 

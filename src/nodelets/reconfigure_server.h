@@ -5,6 +5,7 @@
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
+#include <ros/service_callback_helper.h>
 #include <ros/service_server.h>
 
 #include <functional>
@@ -18,9 +19,15 @@
 
 namespace radar_dot {
 
+/// Does a caller of set_parameters end for good where a call fails? rqt_reconfigure sends its changes from a
+/// thread that an error ends; then the sliders move without any effect. It gets what is in force instead.
+/// @param node  full name of the caller's node
+bool failsWithItsCalls(std::string_view node);
+
 /// The parameters of a running nodelet, for the clients of dynamic_reconfigure: rqt_reconfigure, dynparam.
 ///
-/// A request is accepted as a whole, or it changes nothing: then the service call fails with what is wrong.
+/// A request is accepted as a whole, or it changes nothing: then the service call fails with what is wrong,
+/// or, for a caller that fails with its calls, answers with what is in force.
 /// Callbacks run in the queue of the node handle; everything else is called from the same thread.
 class ReconfigureServerBase {
  public:
@@ -30,8 +37,10 @@ class ReconfigureServerBase {
 
   /// False: not even the defaults could be applied. A later change may succeed.
   bool usable() const noexcept { return usable_; }
-  /// What was wrong at start, for diagnostics; empty: nothing, or a change has succeeded since.
+  /// What was wrong at start, for diagnostics; of what can change, until a change has succeeded.
   std::string error() const { return problems_.text(); }
+  /// The latest refused change whose caller was not told so, until one succeeds; empty: none.
+  const std::string& refusal() const noexcept { return refusal_; }
   /// Does the parameter have its default because what was given at start was refused?
   bool refusedAtStart(std::string_view name) const { return problems_.concern(name); }
 
@@ -51,13 +60,15 @@ class ReconfigureServerBase {
   void stop();
 
  private:
-  bool set(dynamic_reconfigure::Reconfigure::Request& request,
-           dynamic_reconfigure::Reconfigure::Response& response);
+  using Call = ros::ServiceEvent<dynamic_reconfigure::Reconfigure::Request,
+                                 dynamic_reconfigure::Reconfigure::Response>;
+  bool set(Call& call);
   void store(const Field& field);
 
   ros::NodeHandle handle_;
   ParameterProblems problems_;
   bool usable_ = false;
+  std::string refusal_;
   ros::Publisher descriptions_, updates_;
   ros::ServiceServer service_;
 };

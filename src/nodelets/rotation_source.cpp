@@ -87,8 +87,7 @@ class OdometrySource : public RotationSource {
   ros::Subscriber subscriber_;
 };
 
-/// Heading from the yaw rate of an IMU. Its orientation is not used: many IMUs do not have one
-/// that deserves the name.
+/// Heading from the yaw rate of an IMU. Its orientation is not used: that of many IMUs is none.
 class ImuSource : public RotationSource {
  public:
   ImuSource(ros::NodeHandle& handle, Extrinsics& extrinsics, Callbacks callbacks)
@@ -189,25 +188,23 @@ PoseSample poseOf(const nav_msgs::Odometry& odometry) {
   return sample;
 }
 
-std::unique_ptr<RotationSource> makeRotationSource(const std::string& name, ros::NodeHandle& handle,
-                                                   ros::NodeHandle& private_handle, Extrinsics& extrinsics,
+std::unique_ptr<RotationSource> makeRotationSource(const RotationParams& params, ros::NodeHandle& handle,
+                                                   Extrinsics& extrinsics,
                                                    RotationSource::Callbacks callbacks) {
-  if (name == "radar") return nullptr;
-  if (name == "odometry") {
-    return std::make_unique<OdometrySource>(handle, extrinsics.baseFrame(), std::move(callbacks));
-  }
-  if (name == "imu") return std::make_unique<ImuSource>(handle, extrinsics, std::move(callbacks));
-  if (name == "tf") {
-    std::string fixed_frame;
-    private_handle.getParam("rotation_fixed_frame", fixed_frame);
-    if (fixed_frame.empty() || fixed_frame == private_handle.param<std::string>("odom_frame", "odom")) {
-      throw std::invalid_argument("rotation_source tf needs " +
-                                  private_handle.resolveName("rotation_fixed_frame") +
-                                  ": a frame of TF other than our own odom_frame");
+  switch (params.source) {
+    case RotationSourceKind::kRadar: break;
+    case RotationSourceKind::kOdometry:
+      return std::make_unique<OdometrySource>(handle, extrinsics.baseFrame(), std::move(callbacks));
+    case RotationSourceKind::kImu:
+      return std::make_unique<ImuSource>(handle, extrinsics, std::move(callbacks));
+    case RotationSourceKind::kTf: {
+      const bool is_own = params.fixed_frame.empty() || params.fixed_frame == params.odom_frame;
+      require(!is_own, fieldsOf(params), {&params.source, &params.fixed_frame, &params.odom_frame},
+              "it needs a world-fixed frame of TF other than that of our own odometry");
+      return std::make_unique<TfSource>(params.fixed_frame, extrinsics);
     }
-    return std::make_unique<TfSource>(fixed_frame, extrinsics);
   }
-  throw std::invalid_argument("rotation_source '" + name + "' is not one of odometry, imu, tf, radar");
+  return nullptr;
 }
 
 }  // namespace radar_dot

@@ -12,6 +12,7 @@
 
 #include "extrinsics.h"
 #include "pose_buffer.h"
+#include "radar_dot/config/sections.h"
 
 namespace radar_dot {
 
@@ -20,9 +21,9 @@ class RotationSource {
  public:
   /// Told about the source by the one who uses it.
   struct Callbacks {
-    std::function<void()> arrival;  ///< a message came, before it is looked at
-    std::function<void()> sample;   ///< a new sample is there
-    std::function<void()> restarted;    ///< rotations from here on do not compare with those before
+    std::function<void()> arrival;    ///< a message came, before it is looked at
+    std::function<void()> sample;     ///< a new sample is there
+    std::function<void()> restarted;  ///< rotations from here on do not compare with those before
     std::function<void(const std::string&)> warn;
   };
 
@@ -46,11 +47,10 @@ class RotationSource {
 /// The pose of a message. @throws std::invalid_argument where it has no unit quaternion or is not finite.
 PoseSample poseOf(const nav_msgs::Odometry& odometry);
 
-/// "odometry" (nav_msgs/Odometry on rotation/odom), "imu" (sensor_msgs/Imu on rotation/imu: its
-/// yaw rate), "tf" (private parameter rotation_fixed_frame), or "radar": none, the twist's own yaw
-/// rate. @throws std::invalid_argument for another name or a missing parameter.
-std::unique_ptr<RotationSource> makeRotationSource(const std::string& name, ros::NodeHandle& handle,
-                                                   ros::NodeHandle& private_handle, Extrinsics& extrinsics,
+/// The source that the parameters name; none: the twist's own yaw rate.
+/// @throws InvalidParameter for a tf without a frame of its own
+std::unique_ptr<RotationSource> makeRotationSource(const RotationParams& params, ros::NodeHandle& handle,
+                                                   Extrinsics& extrinsics,
                                                    RotationSource::Callbacks callbacks);
 
 }  // namespace radar_dot

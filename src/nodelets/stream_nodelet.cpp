@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stream_nodelet.h"
 
+#include <algorithm>
+
 #include "cloud_points.h"
 #include "ego_motion.h"
-#include "parameters.h"
 
 namespace radar_dot {
 
@@ -18,11 +19,10 @@ constexpr std::uint32_t kCloudQueue = 20;
 
 }  // namespace
 
-void StreamNodelet::setUp(const std::string& what) {
-  const ros::NodeHandle& private_handle = getPrivateNodeHandle();
+void StreamNodelet::setUp(const std::string& what, const StreamParams& params) {
   expectation_.rate = 0.0;  // cameras have all rates
-  expectation_.max_age = positiveParameter(private_handle, "max_age", 1.0);
-  expectation_.silent_after = positiveParameter(private_handle, "silent_after", 2.0);
+  expectation_.max_age = params.max_age;
+  expectation_.silent_after = params.silent_after;
 
   diagnostics_ =
       std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
@@ -51,7 +51,7 @@ void StreamNodelet::connectWhile(const std::function<bool()>& wanted, const std:
         const bool now = wanted();
         if (now == connected_) return;
         connected_ = now;
-        now ? connect() : disconnect();
+        attempt(now ? connect : disconnect);
       });
 }
 
@@ -81,15 +81,31 @@ ros::Subscriber StreamNodelet::listenToClouds(InputMonitor& input, const std::st
       });
 }
 
+void StreamNodelet::attempt(const std::function<void()>& body) {
+  try {
+    body();
+  } catch (const std::exception& error) {
+    // A timer's exception would end the process that we share with others.
+    reportProblem(error.what());
+  }
+}
+
 void StreamNodelet::reportProblem(const std::string& problem) {
   NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
-  problem_ = problem;
+  noteProblem(problem);
+}
+
+void StreamNodelet::noteProblem(const std::string& problem) {
+  if (std::find(problems_.begin(), problems_.end(), problem) == problems_.end()) problems_.push_back(problem);
 }
 
 void StreamNodelet::reportConfiguration(DiagnosticStatusWrapper& status) const {
   using diagnostic_msgs::DiagnosticStatus;
-  for (const std::string& problem : {problem_, configuration_error_})
-    if (!problem.empty()) status.mergeSummary(DiagnosticStatus::ERROR, problem);
+  for (const std::string& problem : problems_) status.mergeSummary(DiagnosticStatus::ERROR, problem);
+  if (!server_) return;
+  if (!server_->refusal().empty())
+    status.mergeSummary(DiagnosticStatus::WARN, "rejected: " + server_->refusal());
+  if (!server_->error().empty()) status.mergeSummary(DiagnosticStatus::ERROR, server_->error());
 }
 
 void StreamNodelet::warn(const std::string& subject, const std::string& text) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
-#include <dynamic_reconfigure/server.h>
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -11,13 +10,14 @@
 #include <exception>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "config_mending.h"
 #include "input_monitor.h"
 #include "log_throttle.h"
+#include "radar_dot/config/sections.h"
+#include "reconfigure_server.h"
 
 namespace radar_dot {
 
@@ -36,7 +36,7 @@ class StreamNodelet : public nodelet::Nodelet {
   virtual void report(diagnostic_updater::DiagnosticStatusWrapper& status) = 0;
 
   /// Diagnostics, first of all. @param what  name of the diagnostic of report()
-  void setUp(const std::string& what);
+  void setUp(const std::string& what, const StreamParams& params);
   /// An input with a diagnostic of its own.
   InputMonitor& addInput(const std::string& name, bool required = true);
 
@@ -70,7 +70,7 @@ class StreamNodelet : public nodelet::Nodelet {
   /// What holds until the next one comes: no order of stamps, no silence.
   template <typename Message>
   ros::Subscriber subscribeLatched(InputMonitor& input, const std::string& topic,
-                                  std::function<void(const boost::shared_ptr<const Message>&)> body) {
+                                   std::function<void(const boost::shared_ptr<const Message>&)> body) {
     ros::Subscriber subscriber = getNodeHandle().template subscribe<Message>(
         topic, 2, [this, &input, body](const boost::shared_ptr<const Message>& message) {
           guard(input, [&] {
@@ -88,27 +88,18 @@ class StreamNodelet : public nodelet::Nodelet {
   ros::Subscriber listenToCamera(InputMonitor& input, sensor_msgs::CameraInfoConstPtr& camera);
   ros::Subscriber listenToClouds(InputMonitor& input, const std::string& topic, RecentClouds& clouds);
 
-  /// Serves a dynamic_reconfigure configuration. `apply` throws std::invalid_argument, before it changes
-  /// anything, for what makes no sense: then the values from before stay; at start, bad values become their
-  /// defaults.
-  /// @param pairs  names of parameters that make sense only together
+  /// Serves the parameters that can change. @param apply  as of ReconfigureServer
   template <typename Config>
-  std::unique_ptr<dynamic_reconfigure::Server<Config>> serve(
-      std::function<void(const Config&)> check, std::function<void(const Config&)> apply,
-      const std::vector<std::vector<std::string>>& pairs = {}) {
-    auto server = std::make_unique<dynamic_reconfigure::Server<Config>>(getPrivateNodeHandle());
-    auto in_use = std::make_shared<std::optional<Config>>();
-    server->setCallback([this, check, apply, pairs, in_use](Config& config, std::uint32_t) {
-      config = in_use->has_value() ? reconfigured(config, **in_use, check)
-                                   : configuredAtStart(config, check, pairs);
-      apply(config);
-      *in_use = config;
-    });
-    return server;
+  void serve(const GivenConfig<Config>& given, std::function<void(const Config&)> apply) {
+    server_ = std::make_unique<ReconfigureServer<Config>>(getPrivateNodeHandle(), given, std::move(apply));
   }
 
+  /// What is wrong with the parameters that can change, for refusals.
+  std::string configurationError() const { return server_ ? server_->error() : std::string(); }
+
   /// Calls `connect` when `wanted` begins to hold and `disconnect` when it ends, looking some times a second:
-  /// without subscribers the nodelet unsubscribes from its inputs, so that lazy publishers upstream can stop too.
+  /// without subscribers the nodelet unsubscribes from its inputs, so that lazy publishers upstream can stop
+  /// too. Comes last in onInit(): both may be called at once. What they throw becomes a reported problem.
   void connectWhile(const std::function<bool()>& wanted, const std::function<void()>& connect,
                     const std::function<void()>& disconnect);
   bool connected() const noexcept { return connected_; }
@@ -120,8 +111,12 @@ class StreamNodelet : public nodelet::Nodelet {
 
   /// Runs `body`; whatever it throws becomes a refusal of the input.
   void guard(InputMonitor& input, const std::function<void()>& body);
-  /// What is wrong with the parameters for as long as the nodelet runs: an error line, and the diagnostic.
+  /// Runs `body`; whatever it throws becomes a reported problem.
+  void attempt(const std::function<void()>& body);
+  /// What is wrong for as long as the nodelet runs: an error line, and the diagnostic.
   void reportProblem(const std::string& problem);
+  /// The diagnostic alone, of what has been logged already.
+  void noteProblem(const std::string& problem);
   /// One line per subject, kind and five seconds.
   void warn(const std::string& subject, const std::string& text);
 
@@ -130,35 +125,12 @@ class StreamNodelet : public nodelet::Nodelet {
   void restart(const ros::Time& now);
   void reportConfiguration(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
-  template <typename Config>
-  Config reconfigured(const Config& wanted, const Config& in_use,
-                      const std::function<void(const Config&)>& check) {
-    const std::string defect = mending::defectOf(wanted, check);
-    if (defect.empty()) {
-      configuration_error_.clear();
-      return wanted;
-    }
-    NODELET_ERROR("%s: %s; keeping the parameters as they were", getName().c_str(), defect.c_str());
-    return in_use;
-  }
-  template <typename Config>
-  Config configuredAtStart(const Config& wanted, const std::function<void(const Config&)>& check,
-                           const std::vector<std::vector<std::string>>& pairs) {
-    Mended<Config> mended = mend(wanted, check, pairs);
-    if (!mended.valid) mended.problems.emplace_back("all parameters have their defaults");
-    for (const std::string& problem : mended.problems) {
-      NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
-      configuration_error_ += (configuration_error_.empty() ? "" : "; ") + problem;
-    }
-    return mended.valid ? mended.config : Config::__getDefault__();
-  }
-
   StreamExpectation expectation_;
   std::vector<std::unique_ptr<InputMonitor>> inputs_;
   ClockWatch clock_;
   LogThrottle throttle_;
-  std::string configuration_error_;  // of the dynamic parameters, until a change of them succeeds
-  std::string problem_;              // of the others
+  std::vector<std::string> problems_;
+  std::unique_ptr<ReconfigureServerBase> server_;  // none: nothing can change
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
   ros::WallTimer diagnostics_timer_, audience_timer_;
   bool connected_ = false;

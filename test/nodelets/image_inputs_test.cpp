@@ -241,7 +241,7 @@ TEST_F(ImageInputs, BackendsAreExchangedLive) {
   const auto choose = [](const std::string& backend) {
     dynamic_reconfigure::Reconfigure call;
     dynamic_reconfigure::StrParameter parameter;
-    parameter.name = "backend";
+    parameter.name = "depth_backend";
     parameter.value = backend;
     call.request.config.strs.push_back(parameter);
     return ros::service::call("topic_depth/set_parameters", call);
@@ -254,9 +254,9 @@ TEST_F(ImageInputs, BackendsAreExchangedLive) {
                         kPatience));
 }
 
-TEST_F(ImageInputs, PicturesAreDrawnWhileSomebodyLooks) {
-  EXPECT_TRUE(waitUntil([&] { return diagnostics_.latest("overlay: overlay").message == "idle: no subscribers"; },
-                        kPatience));
+TEST_F(ImageInputs, PicturesAreDrawnWhileTheyHaveSubscribers) {
+  EXPECT_TRUE(waitUntil(
+      [&] { return diagnostics_.latest("overlay: overlay").message == "idle: no subscribers"; }, kPatience));
   const Recorder<Image> masks(handle_, "overlay/mask");
   const Recorder<Image> panels(handle_, "overlay/six_panel");
   ASSERT_TRUE(comes(masks));

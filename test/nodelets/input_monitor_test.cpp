@@ -196,5 +196,18 @@ TEST(InputMonitorReport, WhatIsNotSubscribedIsFine) {
   EXPECT_NE(status.message.find("not subscribed"), std::string::npos) << status.message;
 }
 
+TEST(InputMonitor, TheExpectedAgeCanChange) {
+  InputMonitor monitor = monitorOf(true);
+  const auto levelAtAge = [&monitor](double age) {
+    monitor.reset();
+    monitor.accept(headerAt(100.0 - age), kNow);
+    return reportOf(monitor).level;
+  };
+  EXPECT_EQ(levelAtAge(1.05), DiagnosticStatus::WARN);
+  monitor.expectMaxAge(1.1);
+  EXPECT_EQ(levelAtAge(1.05), DiagnosticStatus::OK);
+  EXPECT_EQ(levelAtAge(1.15), DiagnosticStatus::WARN);
+}
+
 }  // namespace
 }  // namespace radar_dot

@@ -58,7 +58,7 @@ std::set<std::pair<std::string, int>> keysOf(const MarkerArray& array, int actio
 }
 
 TEST(ObjectMessage, InTheFrameOfTheOdometryTheStateIsAsItIs) {
-  ObjectFrame frame;
+  FrameOfObjects frame;
   frame.height = 0.75;
   const MovingObject object = objectMessage(exampleTrack(), ros::Time(kTime), frame, 1.0);
   EXPECT_EQ(object.id, 5'000'000'007U);
@@ -84,7 +84,7 @@ TEST(ObjectMessage, InTheFrameOfTheOdometryTheStateIsAsItIs) {
 
 // A quarter turn swaps the axes of the covariance and turns the sign of what they share.
 TEST(ObjectMessage, AnotherFrameTurnsPositionVelocityAndCovariances) {
-  ObjectFrame frame;
+  FrameOfObjects frame;
   frame.T_frame_from_odom.linear() = Eigen::Rotation2Dd(std::acos(-1.0) / 2.0).toRotationMatrix();
   frame.T_frame_from_odom.translation() = Eigen::Vector2d(10.0, 20.0);
   const MovingObject object = objectMessage(exampleTrack(), ros::Time(kTime), frame, 1.0);

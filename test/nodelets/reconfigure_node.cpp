@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
       public_handle.createWallTimer(ros::WallDuration(0.05), [&](const ros::WallTimerEvent&) {
         std_msgs::String state;
         state.data = std::string(server.usable() ? "usable" : "unusable") + "|" + server.error() + "|" +
-                     (server.refusedAtStart("lanes") ? "lanes refused" : "") + "|" +
+                     server.refusal() + "|" + (server.refusedAtStart("lanes") ? "lanes refused" : "") + "|" +
                      std::to_string(applications) + "|" +
                      (sameFields(applied, server.config()) ? "applied" : "not applied") + "|" + applied.frame;
         for (const auto& [name, lamp] : applied.lamps) state.data += "|" + name + " at " + lamp.topic;

@@ -75,7 +75,7 @@ class Toy:
             self.lines.append(line)
 
     def _told(self, message):
-        names = ["usable", "error", "refused", "applications", "applied", "frame"]
+        names = ["usable", "error", "refusal", "refused", "applications", "applied", "frame"]
         parts = message.data.split("|")
         self.state = dict(zip(names, parts), lamps=parts[len(names):])
 
@@ -185,6 +185,22 @@ class ReconfigureTest(unittest.TestCase):
         toy.client.update_configuration({"lanes": 8})
         self.expect(toy, lanes=8)
 
+    def test_rqt_gets_what_is_in_force(self):
+        toy = self.start("shown")
+        script = ("import rospy\n"
+                  "from dynamic_reconfigure.client import Client\n"
+                  "rospy.init_node('rqt_reconfigure', anonymous=True)\n"
+                  "print(Client('/shown', timeout=20).update_configuration({'lanes': 9, 'near': 2.0})['lanes'])")
+        done = subprocess.run([sys.executable, "-c", script], timeout=2 * TIMEOUT, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, universal_newlines=True)
+        self.assertEqual((done.returncode, done.stdout), (0, "2\n"))
+        text = "lanes is 9, must be between 1 and 8"
+        wait_until(lambda: toy.has_logged("ERROR", "rejected: " + text), "the refusal was logged")
+        wait_until(lambda: toy.state["refusal"] == text, "the diagnostics have the refusal")
+        self.assertEqual(toy.values(), DEFAULTS)
+        toy.client.update_configuration({"lanes": 3})
+        wait_until(lambda: toy.state["refusal"] == "", "the refusal was cleared")
+
     def test_dynparam(self):
         toy = self.start("tool")
         # Some distributions do not install what `list` needs.
@@ -237,13 +253,14 @@ class ReconfigureTest(unittest.TestCase):
             "WARN", "'/wrong/modle' is no parameter of this nodelet; did you mean 'mode'?"), toy.lines)
         self.assertEqual(rospy.get_param("/wrong/lanes"), 50, "what was wished stays to be seen")
         toy.client.update_configuration({"lanes": 3})
-        wait_until(lambda: toy.state["error"] == "" and toy.state["refused"] == "", "the error was cleared")
+        wait_until(lambda: toy.state["error"] == problems[1] and toy.state["refused"] == "",
+                   "only what is read at start was reported")
         self.assertEqual(rospy.get_param("/wrong/lanes"), 3)
 
     def test_what_cannot_be_applied_at_start(self):
         toy = self.start("broken", label="broken", lanes=3, frame="axle")
         self.expect(toy)
-        self.assertEqual(toy.state["error"], "/broken: label cannot be applied; all parameters have their defaults")
+        self.assertEqual(toy.state["error"], "/broken: label cannot be applied; using defaults for all parameters")
         self.assertEqual(toy.state["frame"], "axle")
         toy = self.start("picky", label="with 3 lanes", lanes=4)
         self.expect(toy, lanes=4)

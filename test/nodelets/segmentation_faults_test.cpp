@@ -205,9 +205,9 @@ TEST_F(SegmentationFaults, ThePastTellsWhatTheFlowDoesNot) {
     back.name = "look_back";
     back.value = look_back;
     call.request.config.bools.push_back(back);
-    // What is believed alone starts no region where a seed is asked for.
+    // What is believed alone starts no region where one must exceed a multiple of the threshold.
     for (const auto& [name, value] :
-         {std::pair("flow_std", 1.0), std::pair("memory", memory), std::pair("seed", 1.0)}) {
+         {std::pair("flow_std", 1.0), std::pair("memory", memory), std::pair("hysteresis_ratio", 1.0)}) {
       dynamic_reconfigure::DoubleParameter parameter;
       parameter.name = name;
       parameter.value = value;
@@ -489,7 +489,7 @@ TEST_F(SegmentationFaults, BadParametersAreReplacedAndReconfigured) {
       [&] {
         const Diagnostics::Status status = diagnostics_.latest("unaided: segmentation");
         return status.level == DiagnosticStatus::ERROR &&
-               status.message.find("k is not finite") != std::string::npos;
+               status.message.find("k is nan, must be between") != std::string::npos;
       },
       kPatience))
       << diagnostics_.latest("unaided: segmentation").message;

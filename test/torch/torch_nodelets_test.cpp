@@ -30,7 +30,7 @@ class TorchNodelets : public testing::Test {
     writeTorchScript(file, forward);
     return file.string();
   }
-  /// Sets text parameters of a nodelet. @return those in use afterwards
+  /// Sets text parameters of a nodelet. @return those in use afterwards; none: rejected
   static std::map<std::string, std::string> set(const std::string& nodelet,
                                                 const std::map<std::string, std::string>& values) {
     dynamic_reconfigure::Reconfigure call;
@@ -41,8 +41,8 @@ class TorchNodelets : public testing::Test {
       call.request.config.strs.push_back(parameter);
     }
     EXPECT_TRUE(ros::service::waitForService(nodelet + "/set_parameters", ros::Duration(kPatience)));
-    EXPECT_TRUE(ros::service::call(nodelet + "/set_parameters", call));
     std::map<std::string, std::string> in_use;
+    if (!ros::service::call(nodelet + "/set_parameters", call)) return in_use;
     for (const auto& parameter : call.response.config.strs) in_use[parameter.name] = parameter.value;
     return in_use;
   }
@@ -61,8 +61,9 @@ class TorchNodelets : public testing::Test {
 TEST_F(TorchNodelets, FlowComesFromTheNetwork) {
   const Recorder<Flow> flows(handle_, "learned_flow/flow");
   const std::map<std::string, std::string> in_use =
-      set("learned_flow", {{"backend", "torch"}, {"model", network(networks::constantFlow(24.0, -4.6))}});
-  EXPECT_EQ(in_use.at("backend"), "torch");
+      set("learned_flow",
+          {{"flow_backend", "torch"}, {"flow_model", network(networks::constantFlow(24.0, -4.6))}});
+  EXPECT_EQ(in_use.at("flow_backend"), "torch");
   // 320 x 184 px of the network are 160 x 90 px of the grid.
   EXPECT_TRUE(waitUntil(
       [&] {
@@ -78,10 +79,10 @@ TEST_F(TorchNodelets, FlowComesFromTheNetwork) {
 TEST_F(TorchNodelets, AWrongNetworkLeavesTheOneInUse) {
   const Recorder<Flow> flows(handle_, "learned_flow/flow");
   const std::string good = network(networks::constantFlow(24.0, 0.0));
-  set("learned_flow", {{"backend", "torch"}, {"model", good}});
-  const std::map<std::string, std::string> in_use =
-      set("learned_flow", {{"model", network("def forward(self, image):\n    return image\n")}});
-  EXPECT_EQ(in_use.at("model"), good);
+  set("learned_flow", {{"flow_backend", "torch"}, {"flow_model", good}});
+  EXPECT_TRUE(set("learned_flow", {{"flow_model", network("def forward(self, image):\n    return image\n")}})
+                  .empty());
+  EXPECT_EQ(set("learned_flow", {}).at("flow_model"), good);
   const std::size_t before = flows.count();
   EXPECT_TRUE(waitUntil([&] { return flows.count() >= before + 3; }, kPatience));
   EXPECT_NEAR(middleOf(*flows.messages().back())[0], 12.0F, 1e-3F);
@@ -89,7 +90,8 @@ TEST_F(TorchNodelets, AWrongNetworkLeavesTheOneInUse) {
 
 TEST_F(TorchNodelets, DepthOfTheRadarComesThroughTheNetwork) {
   const Recorder<Image> depths(handle_, "learned_depth/depth");
-  set("learned_depth", {{"backend", "torch"}, {"model", network(networks::depthOfFarthestReturn())}});
+  set("learned_depth",
+      {{"depth_backend", "torch"}, {"depth_model", network(networks::depthOfFarthestReturn())}});
   // The return 12 m ahead of the base was seen 0.1 s before; the camera sits 1.7 m ahead of the base.
   const float expected = LiveCamera::kReturnAhead - static_cast<float>(VisionWorld::kSpeed * 0.1) - 1.7F;
   EXPECT_TRUE(waitUntil(
@@ -104,7 +106,7 @@ TEST_F(TorchNodelets, DepthOfTheRadarComesThroughTheNetwork) {
 
 TEST_F(TorchNodelets, DepthOfTheImageComesThroughTheNetwork) {
   const Recorder<Image> depths(handle_, "learned_depth/depth");
-  set("learned_depth", {{"backend", "torch"}, {"model", network(networks::depthOfRed())}});
+  set("learned_depth", {{"depth_backend", "torch"}, {"depth_model", network(networks::depthOfRed())}});
   camera_.set([](LiveCamera::Frame& frame) {
     frame.image = imageOf(frame.image.header.stamp, "mono8",
                           cv::Mat(VisionWorld::kHeight, VisionWorld::kWidth, CV_8UC1, cv::Scalar(55)));

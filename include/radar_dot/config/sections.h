@@ -65,7 +65,7 @@ struct EgoVelocityConfig {
 
   void describe(FieldList& fields);
 };
-/// @throws InvalidParameter of fields, or of rules between them
+/// @throws InvalidParameter of fields, of rules between them, or of one radar as "radars/front"
 void validate(const EgoVelocityConfig& config);
 
 /// Where rotations between the stamps of twists come from.

@@ -1,0 +1,100 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What the nodelets decide by their configurations.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "nodelets/mask_history.h"
+#include "nodelets/read_parameters.h"
+#include "nodelets/reconfigure_server.h"
+#include "radar_dot/config/sections.h"
+
+namespace radar_dot {
+namespace {
+
+TEST(FailsWithItsCalls, RqtAlone) {
+  for (const char* node : {"/rqt_reconfigure", "/rqt_gui_py_node_4711", "/robot/rqt_gui_py_node_12", "/rqt"})
+    EXPECT_TRUE(failsWithItsCalls(node)) << node;
+  for (const char* node : {"/dynparam_set_1", "/tuner", "/rqt_bag/recorder", "/my_rqt", "", "/"})
+    EXPECT_FALSE(failsWithItsCalls(node)) << node;
+}
+
+TEST(SameEvidence, OnlyWhatChangesScoresEndsTheHistory) {
+  using Config = DynamicSegmentationConfig;
+  const std::vector<std::function<void(Config&)>> scores = {
+      [](Config& c) { c.motion.k = 8.0; },
+      [](Config& c) { c.motion.score = MotionScore::kUncertainty; },
+      [](Config& c) { c.motion.noise.flow_std = 1.0; },
+      [](Config& c) { c.motion.static_gain = 1.0; },
+      [](Config& c) { c.motion_uncertainty.tilt_std = 0.03; },
+      [](Config& c) { c.use_depth_uncertainty = true; },
+      [](Config& c) { c.refine = true; },
+      [](Config& c) { c.refine_ground = true; },
+      [](Config& c) { c.ground.uncertainty.pitch_std = 0.01; },
+      [](Config& c) { c.refinement.stride = 8; },
+  };
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    Config changed;
+    scores[i](changed);
+    EXPECT_FALSE(sameEvidence({}, changed)) << i;
+  }
+  const std::vector<std::function<void(Config&)>> others = {
+      [](Config& c) { c.full_size = false; },        [](Config& c) { c.memory = 0.4; },
+      [](Config& c) { c.look_back = true; },         [](Config& c) { c.input_timeout = 1.0; },
+      [](Config& c) { c.rotation_timeout = 0.1; },   [](Config& c) { c.max_twist_age = 0.1; },
+      [](Config& c) { c.radar_min_residual = 1.0; }, [](Config& c) { c.radar_max_age = 0.1; },
+  };
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    Config changed;
+    others[i](changed);
+    EXPECT_TRUE(sameEvidence({}, changed)) << i;
+  }
+}
+
+/// As readConfig does it, without a parameter server.
+ParameterProblems problemsOf(EgoVelocityConfig& config) {
+  EgoVelocityConfig defaults;
+  ParameterProblems problems;
+  EXPECT_TRUE(fallBackUntil([&config] { validateConfig(config); }, "/ego_velocity", fieldsOf(config),
+                            fieldsOf(defaults), problems));
+  return problems;
+}
+
+TEST(Radars, AnInvalidEntryIsLeftOutAlone) {
+  EgoVelocityConfig config;
+  config.radars["good"].topic = "a";
+  config.radars["mute"].doppler_scale = -1.0;
+  config.radars["zero"] = {"b", 0.0, 0.0};
+  config.radars["turned"] = {"c", {}, 4.0};
+  config.expected_rate = 20.0;
+  const ParameterProblems problems = problemsOf(config);
+  ASSERT_EQ(config.radars.size(), 1U);
+  EXPECT_EQ(config.radars.begin()->first, "good");
+  EXPECT_EQ(config.expected_rate, 20.0);
+  for (const char* text :
+       {"radars/mute/topic is empty", "radars/zero/doppler_scale is 0; it must not be zero",
+        "radars/turned/mount_yaw_correction is 4, must be between"})
+    EXPECT_NE(problems.text().find(text), std::string::npos) << text << ": " << problems.text();
+  EXPECT_TRUE(problems.concern("radars/zero"));
+}
+
+TEST(ParameterProblems, ThoseOfParametersReadAtStartOutlastAChange) {
+  EgoVelocityConfig config;
+  config.radars["mute"].doppler_scale = -1.0;
+  config.extraction.doppler_scale = 0.0;
+  ParameterProblems problems = problemsOf(config);
+  EXPECT_EQ(config.extraction.doppler_scale, 1.0);
+  EXPECT_TRUE(problems.concern(nameOf(config, config.extraction.doppler_scale)));
+  EXPECT_EQ(problems.lines.size(), 2U);
+  problems.keepLasting();
+  ASSERT_EQ(problems.lines.size(), 1U);
+  EXPECT_NE(problems.lines[0].find("radars/mute"), std::string::npos);
+  EXPECT_FALSE(problems.concern(nameOf(config, config.extraction.doppler_scale)));
+}
+
+}  // namespace
+}  // namespace radar_dot
