@@ -119,18 +119,18 @@ TEST_F(Raft, KittiPairInFullResolution) {
 TEST_F(Raft, SimulatedPairs) {
   const test::SimulatedDataroot simulated(SIMULATOR);
   evaluation::FlowEvaluationOptions options;
-  options.max_pairs = 3;
-  options.working_width = 0;
+  options.pairs.max_pairs = 3;
   const auto errorOf = [&](const std::string& flow) {
-    options.flow = flow;
-    options.optical_flow = flow == "torch" ? params(640, 360) : OpticalFlowParams{};
+    options.optical_flow.flow = flow == "torch" ? params(640, 360) : OpticalFlowParams{};
+    options.optical_flow.flow.backend = flow;
+    options.optical_flow.flow.working_width = 0;
     return evaluation::evaluateFlow(simulated.tables(), 0, options).errors.all;
   };
   const auto network = errorOf("torch");
   const auto dis = errorOf("dis");
   EXPECT_GT(network.compared, 200000U);
   EXPECT_LT(network.mean(), 0.7 * dis.mean());
-  options.pairs = "next";
+  options.pairs.pairs = evaluation::ImagePairs::kNext;
   EXPECT_LT(errorOf("torch").median(), 1.0);
   RecordProperty("simulated_milli_px", static_cast<int>(1e3 * network.mean()));
   RecordProperty("simulated_dis_milli_px", static_cast<int>(1e3 * dis.mean()));

@@ -44,7 +44,7 @@ MotionInput street(const Eigen::Isometry3d& true_motion, const GroundPlane& grou
   MotionInput input;
   input.camera = kCamera;
   input.pixel_scale = 2.0;
-  input.depth = groundDepth(kCamera, ground.T_base_from_camera, ground.height, ground.pitch, 30.0);
+  input.depth = groundDepth(kCamera, ground.T_base_from_camera, ground.params.height, ground.params.pitch, 30.0);
   cv::patchNaNs(input.depth, 30.0);
   input.flow = expectedFlow(kCamera, true_motion, input.depth);
   return input;
