@@ -61,8 +61,8 @@ void EgoVelocityNodelet::onInit() {
   setUpRadars(config_.radars);
   server_ = std::make_unique<ReconfigureServer<EgoVelocityConfig>>(
       getPrivateNodeHandle(), given, [this](const EgoVelocityConfig& config) { apply(config); });
-  if (!canEstimate())
-    NODELET_ERROR("%s: estimation disabled until the parameters are corrected", getName().c_str());
+  if (const std::string reason = disabledBy(); !reason.empty())
+    NODELET_ERROR("%s: %s", getName().c_str(), reason.c_str());
   setUpDiagnostics();
   subscribe();
   silence_timer_ = handle.createWallTimer(
@@ -109,9 +109,11 @@ void EgoVelocityNodelet::setUpRadars(const std::map<std::string, RadarEntry>& en
   assembler_.emplace(radars_.size(), config_.sweep);
 }
 
-bool EgoVelocityNodelet::canEstimate() const {
-  return server_ && server_->usable() &&
-         !server_->refusedAtStart(nameOf(config_, config_.extraction.doppler_scale));
+std::string EgoVelocityNodelet::disabledBy() const {
+  const std::string disabled = "estimation disabled until the parameters are corrected";
+  if (!server_ || !server_->usable()) return disabled;
+  const char* scale = nameOf(config_, config_.extraction.doppler_scale);
+  return server_->refusedAtStart(scale) ? disabled + ": " + scale : "";
 }
 
 void EgoVelocityNodelet::apply(const EgoVelocityConfig& config) {
@@ -163,8 +165,8 @@ void EgoVelocityNodelet::reportConfiguration(diagnostic_updater::DiagnosticStatu
     status.mergeSummary(DiagnosticStatus::WARN, "rejected: " + server_->refusal());
   for (const std::string& error : {configuration_error_, server_->error()})
     if (!error.empty()) status.mergeSummary(DiagnosticStatus::ERROR, error);
-  if (!canEstimate())
-    status.mergeSummary(DiagnosticStatus::ERROR, "estimation disabled until the parameters are corrected");
+  if (const std::string reason = disabledBy(); !reason.empty())
+    status.mergeSummary(DiagnosticStatus::ERROR, reason);
 }
 
 void EgoVelocityNodelet::refuse(Radar& radar, const std::string& cause) {
@@ -197,7 +199,7 @@ void EgoVelocityNodelet::onCloud(std::size_t index, const sensor_msgs::PointClou
 
 void EgoVelocityNodelet::addScan(std::size_t index, const sensor_msgs::PointCloud2ConstPtr& cloud) {
   Radar& radar = *radars_[index];
-  if (!canEstimate()) return;
+  if (!disabledBy().empty()) return;
   if (clock_.wentBack(ros::Time::now())) clearHistory(cloud->header.stamp);
   const std::shared_ptr<const RadarReading> reading = read(radar, cloud);
   switch (radar.stamps.check(cloud->header.stamp)) {

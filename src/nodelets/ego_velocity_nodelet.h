@@ -67,8 +67,9 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   void setUpDiagnostics();
   void reportConfiguration(diagnostic_updater::DiagnosticStatusWrapper& status);
   void apply(const EgoVelocityConfig& config);
-  /// False: the parameters cannot be used, or a velocity of the wrong sign might come of their defaults.
-  bool canEstimate() const;
+  /// Why nothing is estimated: the parameters cannot be used, or a velocity of the wrong sign might come of a
+  /// default. Empty: it is.
+  std::string disabledBy() const;
 
   void onCloud(std::size_t radar, const sensor_msgs::PointCloud2ConstPtr& cloud);
   std::shared_ptr<const RadarReading> read(Radar& radar, const sensor_msgs::PointCloud2ConstPtr& cloud);

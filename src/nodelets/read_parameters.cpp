@@ -210,9 +210,12 @@ void ParameterProblems::add(const std::string& line, bool lasting) {
   if (lasting) lasting_lines.push_back(line);
 }
 
-void ParameterProblems::keepLasting() {
+void ParameterProblems::settle(const std::vector<std::string>& changed) {
   lines = lasting_lines;
-  refused.clear();
+  const auto was_changed = [&changed](const std::string& name) {
+    return std::find(changed.begin(), changed.end(), name) != changed.end();
+  };
+  refused.erase(std::remove_if(refused.begin(), refused.end(), was_changed), refused.end());
 }
 
 bool ParameterProblems::concern(std::string_view name) const {

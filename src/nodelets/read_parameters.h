@@ -28,8 +28,8 @@ struct ParameterProblems {
   std::vector<std::string> refused;
 
   void add(const std::string& line, bool lasting);
-  /// After a valid change of the others.
-  void keepLasting();
+  /// After a valid change: what is read at start stays a problem, and what was not changed stays refused.
+  void settle(const std::vector<std::string>& changed);
   bool concern(std::string_view name) const;
   /// All lines in one; empty: nothing is wrong.
   std::string text() const;

@@ -56,7 +56,7 @@ bool ReconfigureServerBase::set(Call& call) {
   }
   usable_ = true;
   refusal_.clear();
-  problems_.keepLasting();
+  problems_.settle(names);
   const FieldList fields = inForce();
   for (const std::string& name : names) store(*fields.find(name));
   call.getResponse().config = messageOf(fields);

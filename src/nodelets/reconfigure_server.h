@@ -41,7 +41,7 @@ class ReconfigureServerBase {
   std::string error() const { return problems_.text(); }
   /// The latest refused change whose caller was not told so, until one succeeds; empty: none.
   const std::string& refusal() const noexcept { return refusal_; }
-  /// Does the parameter have its default because what was given at start was refused?
+  /// Does the parameter still have its default because what was given at start was refused?
   bool refusedAtStart(std::string_view name) const { return problems_.concern(name); }
 
  protected:

@@ -90,9 +90,11 @@ TEST(ParameterProblems, ThoseOfParametersReadAtStartOutlastAChange) {
   EXPECT_EQ(config.extraction.doppler_scale, 1.0);
   EXPECT_TRUE(problems.concern(nameOf(config, config.extraction.doppler_scale)));
   EXPECT_EQ(problems.lines.size(), 2U);
-  problems.keepLasting();
+  problems.settle({"threshold"});
   ASSERT_EQ(problems.lines.size(), 1U);
   EXPECT_NE(problems.lines[0].find("radars/mute"), std::string::npos);
+  EXPECT_TRUE(problems.concern(nameOf(config, config.extraction.doppler_scale))) << "it was not corrected";
+  problems.settle({"doppler_scale"});
   EXPECT_FALSE(problems.concern(nameOf(config, config.extraction.doppler_scale)));
 }
 

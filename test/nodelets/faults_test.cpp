@@ -201,7 +201,7 @@ TEST_F(FaultsTest, BadCloudsAreRefusedWithTheirCause) {
          c.header.stamp = ros::Time(4'294'967'000U, 0);  // differences of ros::Time overflow
          return true;
        }},
-      {"not later",
+      {"stamp not newer",
        [](PointCloud2& c) {
          c.header.stamp = ros::Time(5.0);
          return true;

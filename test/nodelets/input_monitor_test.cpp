@@ -69,7 +69,7 @@ TEST(InputMonitor, AcceptsRisingStampsAndRefusesTheOthers) {
   EXPECT_TRUE(monitor.accept(headerAt(99.0), kNow));
   EXPECT_TRUE(monitor.accept(headerAt(99.1), kNow));
   for (const double stale : {99.1, 99.05, 50.0}) {
-    expectRefusal<std::invalid_argument>([&] { monitor.accept(headerAt(stale), kNow); }, {"not later"});
+    expectRefusal<std::invalid_argument>([&] { monitor.accept(headerAt(stale), kNow); }, {"stamp not newer"});
   }
   EXPECT_TRUE(monitor.accept(headerAt(99.2), kNow));
 }

@@ -115,7 +115,7 @@ TEST(LabelledScans, CloudsOfNoUseAreRefused) {
   scans.clear();
   scans.add(cloudOf("front", 9.0, {}), kStatic);
   scans.add(cloudOf("front", 9.0, {}), kDynamic);
-  EXPECT_EQ(scans.take(kPatient).size(), 1U) << "time may start anew";
+  EXPECT_EQ(scans.take(kPatient).size(), 1U) << "time may be reset";
 }
 
 TEST(LabelledScans, ASilentTopicDoesNotFillTheMemory) {

@@ -73,7 +73,7 @@ TEST(LoopTest, EachRoundOfTheBagIsLikeTheFirst) {
     const double first = twist_rounds.at(round).front()->header.stamp.toSec() - SyntheticDrive::kStart;
     EXPECT_LT(first, 0.5) << "round " << round << " did not go on at once";
   }
-  // Each nodelet says once per round that it starts anew (the last round may have come just now).
+  // Each nodelet says once per round that it resets (the last round may have come just now).
   for (const std::string nodelet : {"/ego_velocity:", "/odometry:"}) {
     const auto lines = log.messages();
     const auto resets =

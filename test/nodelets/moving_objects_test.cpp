@@ -302,7 +302,7 @@ TEST_F(MovingObjectsTest, WhenTimeGoesBackAllIsReset) {
 TEST_F(MovingObjectsTest, RegionsOfMasksTellWhereObjectsAreInTheImage) {
   LiveMask mask(*handle_);
   reconfigure("use_mask", true);
-  EXPECT_TRUE(waitUntil([&] { return mask.heard(); }, 5.0)) << "nobody listens to masks";
+  EXPECT_TRUE(waitUntil([&] { return mask.heard(); }, 5.0)) << "masks have no subscriber";
   double next = time_;
   const auto sendEveryTenth = [&](double seconds) {
     if (seconds < next) return;

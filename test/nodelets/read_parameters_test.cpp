@@ -199,18 +199,18 @@ TEST(ReadParameters, WhatNamesNoParameterSendsAllBack) {
   EXPECT_TRUE(fallBackUntil(attempt, "/toy", fieldsOf(config), fieldsOf(defaults), problems));
   EXPECT_EQ(config.lanes, 2);
   EXPECT_EQ(config.frame, "axle") << "in use since the start";
-  EXPECT_EQ(problems.text(), "/toy: out of memory; all parameters have their defaults");
+  EXPECT_EQ(problems.text(), "/toy: out of memory; using defaults for all parameters");
   EXPECT_TRUE(problems.concern("lanes"));
 }
 
 TEST(ReadParameters, WhatFailsWithTheDefaultsTooIsReported) {
   ToyConfig config, defaults;
   ParameterProblems problems;
-  const auto attempt = [] { throw InvalidParameter({"lanes"}, "lanes make no sense"); };
+  const auto attempt = [] { throw InvalidParameter({"lanes"}, "lanes cannot be used"); };
   EXPECT_FALSE(fallBackUntil(attempt, "/toy", fieldsOf(config), fieldsOf(defaults), problems));
   EXPECT_EQ(problems.lines,
-            (std::vector<std::string>{"/toy: lanes make no sense; all parameters have their defaults",
-                                      "/toy: lanes make no sense, with the defaults too"}));
+            (std::vector<std::string>{"/toy: lanes cannot be used; using defaults for all parameters",
+                                      "/toy: lanes cannot be used, with the defaults too"}));
 }
 
 TEST(ReadParameters, WhatIsWrittenReadsBack) {

@@ -202,7 +202,7 @@ TEST(TwistHistory, OnlyLaterVelocitiesAreTaken) {
   history.clear();
   EXPECT_EQ(history.latest(), nullptr);
   history.add({5.0, {3.0, 0.0, 0.0}, {0.0, 0.0, 0.0}});
-  ASSERT_NE(history.latest(), nullptr) << "time may start anew";
+  ASSERT_NE(history.latest(), nullptr) << "time may be reset";
   EXPECT_EQ(history.latest()->time, 5.0);
 }
 
