@@ -150,7 +150,7 @@ EgoVelocityConfig withMountCorrections(EgoVelocityConfig config,
     const std::size_t equals = text.find('=');
     char* end = nullptr;
     const double yaw = equals == std::string::npos ? 0.0 : std::strtod(text.c_str() + equals + 1, &end);
-    if (end == nullptr || *end != '\0' || end == text.c_str() + equals + 1)
+    if (end == nullptr || *end != '\0' || end == text.c_str() + equals + 1 || !std::isfinite(yaw))
       throw std::invalid_argument(fmt::format("mount_yaw_correction '{}' is not CHANNEL=RAD", text));
     const std::string channel = channelOf(text.substr(0, equals));
     const auto found = std::find_if(config.radars.begin(), config.radars.end(), [&](const auto& radar) {

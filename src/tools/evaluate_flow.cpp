@@ -79,6 +79,11 @@ int main(int argc, char** argv) {
   command_line.require(tools::nameOf(pair, &pair.second), "", is_pair);
   command_line.require(tools::nameOf(pair, &pair.truth), "", is_pair);
   command_line.exclude(first, dataroot);
+  for (const void* member :
+       {static_cast<const void*>(&options.pairs.pairs), static_cast<const void*>(&options.pairs.max_pairs),
+        static_cast<const void*>(&options.pairs.camera)})
+    command_line.exclude(first, tools::nameOf(options, member));
+  command_line.exclude(first, tools::nameOf(input, &input.scenes));
   return tools::runEvaluator(command_line, kTool, argc, argv, [&] {
     options.optical_flow = configuration.optical_flow;
     options.depth = configuration.depth;

@@ -22,9 +22,9 @@ TEST(EvaluateDepth, BadInputGetsOneLineAndANonZeroExit) {
   expectRefusal("--dataroot /nowhere", "/nowhere");
   expectRefusal(dataroot + " --scenes scene-9999", "scene-9999");
   expectRefusal(dataroot + " --max-images -1", "--max-images");
-  expectRefusal(dataroot + " --truth radar", "truth 'radar'");
-  expectRefusal(dataroot + " --depth stereo", "stereo");
-  expectRefusal(dataroot + " --json same --csv same", "same file");
+  expectRefusal(dataroot + " --truth radar", "--truth is 'radar'");
+  expectRefusal(dataroot + " --depth-backend stereo", "stereo");
+  expectRefusal(dataroot + " --json same --csv same", "differ");
   const test::Outcome outcome = test::runCommand(std::string(TOOL) + " " + dataroot);
   EXPECT_EQ(outcome.exit_code, 1);  // the reader of images may say something of its own before
   EXPECT_NE(outcome.text.find("evaluate_depth: " + fixture.dataroot().string() + "/ground_truth/depth"),

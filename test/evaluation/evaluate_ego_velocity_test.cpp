@@ -42,9 +42,9 @@ TEST_F(EvaluateEgoVelocity, WritesTableJsonAndCsv) {
 
 TEST_F(EvaluateEgoVelocity, TheFilterHasATableOfItsOwn) {
   const std::string title = "filtered over the sweeps";
-  EXPECT_NE(runTool(dataroot() + " --filter --mount-yaw-std 0.01").text.find(title), std::string::npos);
-  EXPECT_NE(runTool(dataroot() + " --filter --filter-joint").text.find(title), std::string::npos);
-  EXPECT_EQ(runTool(dataroot()).text.find(title), std::string::npos);
+  EXPECT_NE(runTool(dataroot() + " --mount-yaw-std 0.01").text.find(title), std::string::npos);
+  EXPECT_NE(runTool(dataroot() + " --no-filter-radars").text.find(title), std::string::npos);
+  EXPECT_EQ(runTool(dataroot() + " --no-filter").text.find(title), std::string::npos);
 }
 
 void expectRefusal(const std::string& arguments, const std::string& part) {
@@ -55,7 +55,7 @@ TEST_F(EvaluateEgoVelocity, BadInputGetsOneLineAndANonZeroExit) {
   expectRefusal("--dataroot /nowhere", "/nowhere");
   expectRefusal(dataroot() + " --version v9.9", "v9.9");
   expectRefusal(dataroot() + " --scenes scene-9999", "scene-9999");
-  expectRefusal(dataroot() + " --channels RADAR_ROOF", "RADAR_ROOF");
+  expectRefusal(dataroot() + " --radar-channels RADAR_ROOF", "RADAR_ROOF");
   expectRefusal(dataroot() + " --model bicycle", "planar_yaw");
 }
 
@@ -67,18 +67,25 @@ TEST_F(EvaluateEgoVelocity, AnUnwritableOutputIsNamed) {
 
 TEST_F(EvaluateEgoVelocity, BadOptionsGetOneLine) {
   expectRefusal(dataroot() + " --threshold -1", "--threshold");
-  expectRefusal(dataroot() + " --iterations 0", "--iterations");
-  expectRefusal(dataroot() + " --doppler-scale 0", "doppler_scale");
+  expectRefusal(dataroot() + " --ransac-iterations 0", "--ransac-iterations");
+  expectRefusal(dataroot() + " --doppler-scale 0", "--doppler-scale");
   expectRefusal(dataroot() + " --no-such-option", "--no-such-option");
-  expectRefusal(dataroot() + " --filter --filter-jerk 0", "--filter-jerk");
+  expectRefusal(dataroot() + " --longitudinal-jerk 0", "--longitudinal-jerk");
   expectRefusal(dataroot() + " --bearing-delay 5", "--bearing-delay");
   expectRefusal(dataroot() + " --mount-yaw-correction RADAR_FRONT", "CHANNEL=RAD");
   expectRefusal(dataroot() + " --mount-yaw-correction RADAR_FRONT=nan", "RADAR_FRONT");
   expectRefusal(dataroot() + " --mount-yaw-correction RADAR_TYPO=0.1", "RADAR_TYPO");
   expectRefusal(dataroot() + " --json same --csv same", "same");
-  expectRefusal(dataroot() + " --masks /nowhere", "/nowhere");
-  expectRefusal(dataroot() + " --masks /nowhere --mask-channel CAM_ROOF", "CAM_ROOF");
-  expectRefusal(dataroot() + " --max-mask-age -1", "--max-mask-age");
+  expectRefusal(dataroot() + " --saved-masks /nowhere", "/nowhere");
+  expectRefusal(dataroot() + " --saved-masks /nowhere --mask-channel CAM_ROOF", "CAM_ROOF");
+  expectRefusal(dataroot() + " --mask-max-age -1", "--mask-max-age");
+}
+
+TEST_F(EvaluateEgoVelocity, AReportRepeatsItsRun) {
+  test::expectReportRepeatsRun(
+      TOOL, dataroot() +
+                " --scenes scene-0002 --doppler-scale 1.0021 --model ackermann --no-filter "
+                "--mount-yaw-correction RADAR_FRONT=0.0123 --invalid-states '' --max-rcs 30");
 }
 
 TEST_F(EvaluateEgoVelocity, LinksAndPipesSurvive) {
@@ -107,7 +114,8 @@ TEST_F(EvaluateEgoVelocity, MissingFilesAreCounted) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("warning: RADAR_FRONT_LEFT: "), std::string::npos) << outcome.text;
   EXPECT_EQ(outcome.text.find("warning: RADAR_FRONT: "), std::string::npos) << outcome.text;
-  expectRefusal(root + " --scenes scene-0001 --channels RADAR_FRONT,RADAR_FRONT_LEFT", "RADAR_FRONT_LEFT");
+  expectRefusal(root + " --scenes scene-0001 --radar-channels RADAR_FRONT,RADAR_FRONT_LEFT",
+                "RADAR_FRONT_LEFT");
 }
 
 TEST_F(EvaluateEgoVelocity, ATruncatedPcdIsNamed) {

@@ -20,18 +20,18 @@ void expectRefusal(const std::string& arguments, const std::string& part) {
 TEST(EvaluateFlow, BadInputGetsOneLineAndANonZeroExit) {
   const test::NuscenesFixture fixture;
   const std::string dataroot = "--version v1.0-mini --dataroot " + fixture.dataroot().string();
-  expectRefusal("", "--dataroot (or --first");
+  expectRefusal("", "--dataroot");
   expectRefusal("--dataroot /nowhere", "/nowhere");
   expectRefusal(dataroot, "ground_truth/keyframe_flow: is not there");
   expectRefusal(dataroot + " --scenes scene-9999", "scene-9999");
-  expectRefusal(dataroot + " --pairs triplets", "pairs 'triplets'");
-  expectRefusal(dataroot + " --json same --csv same", "same file");
-  expectRefusal(dataroot + " --first a.png --second b.png --truth c.png", "--dataroot");
+  expectRefusal(dataroot + " --pairs triplets", "--pairs is 'triplets'");
+  expectRefusal(dataroot + " --json same --csv same", "differ");
+  expectRefusal(dataroot + " --first a.png --second b.png --flow-truth c.png", "--dataroot");
   expectRefusal("--first a.png", "--second");
-  expectRefusal("--first a.png --second b.png", "--truth");
-  expectRefusal("--first a.png --second b.png --truth c.png", "a.png: is not there");
-  expectRefusal("--first a.png --second b.png --truth c.png --pairs next", "--dataroot");
-  expectRefusal("--first a.png --second b.png --truth c.png --initialisation temporal", "one pair");
+  expectRefusal("--first a.png --second b.png", "--flow-truth");
+  expectRefusal("--first a.png --second b.png --flow-truth c.png", "a.png: is not there");
+  expectRefusal("--first a.png --second b.png --flow-truth c.png --pairs next", "--pairs");
+  expectRefusal("--first a.png --second b.png --flow-truth c.png --initialisation temporal", "single pair");
   EXPECT_EQ(test::runCommand(std::string(TOOL) + " --bad").exit_code, 2);
 }
 
@@ -66,8 +66,8 @@ class EvaluateFlowPair : public ::testing::Test {
   }
   std::string command() const {
     const std::string folder = folder_.path().string();
-    return std::string(TOOL) + " --first " + folder + "/one.png --second " + folder + "/two.png --truth " +
-           folder + "/flow.png";
+    return std::string(TOOL) + " --first " + folder + "/one.png --second " + folder +
+           "/two.png --flow-truth " + folder + "/flow.png";
   }
   test::TemporaryFolder folder_;
 };
@@ -87,8 +87,8 @@ TEST_F(EvaluateFlowPair, RefusesWhatDoesNotFit) {
   const auto expect = [this](const std::string& options, const std::string& part) {
     test::expectOneLineRefusal(command() + options, "evaluate_flow", part);
   };
-  expect(" --flow telepathy", "telepathy");
-  expect(" --preset best", "preset 'best'");
+  expect(" --flow-backend telepathy", "telepathy");
+  expect(" --preset best", "--preset is 'best'");
   expect(" --working-width 20", "too small");
   test::writeFlow(folder_.path() / "flow.png", cv::Mat(45, 80, CV_32FC2, cv::Scalar(0.0, 0.0)));
   expect("", "is 80x45 px, the first image 160x90");

@@ -29,16 +29,21 @@ TEST(EvaluateObjects, WritesTableJsonAndCsv) {
   EXPECT_NE(test::readFile(csv).find("\noverall,"), std::string::npos);
 }
 
+TEST(EvaluateObjects, AReportRepeatsItsRun) {
+  const test::NuscenesFixture fixture;
+  test::expectReportRepeatsRun(TOOL, "--dataroot " + fixture.dataroot().string() +
+                                         " --isolated-speed 0.83 --object-returns all --weak-threshold inf");
+}
+
 TEST(EvaluateObjects, BadInputGetsOneLineAndANonZeroExit) {
   const test::NuscenesFixture fixture;
   const std::string dataroot = "--dataroot " + fixture.dataroot().string();
   expectRefusal("--dataroot /nowhere", "/nowhere");
   expectRefusal(dataroot + " --scenes scene-9999", "scene-9999");
-  expectRefusal(dataroot + " --channels RADAR_ROOF", "RADAR_ROOF");
-  expectRefusal(dataroot + " --json same --csv same", "same file");
-  expectRefusal(dataroot + " --strict-returns --all-returns", "exclude");
-  expectRefusal(dataroot + " --masks /nowhere/masks", "/nowhere/masks");
-  expectRefusal(dataroot + " --masks /nowhere/masks --mask-delay 0.5", "max_lag");
+  expectRefusal(dataroot + " --radar-channels RADAR_ROOF", "RADAR_ROOF");
+  expectRefusal(dataroot + " --json same --csv same", "differ");
+  expectRefusal(dataroot + " --saved-masks /nowhere/masks", "/nowhere/masks");
+  expectRefusal(dataroot + " --saved-masks /nowhere/masks --mask-delay 0.5", "max-lag");
   EXPECT_EQ(test::runCommand(std::string(TOOL) + " --bad").exit_code, 2);
 }
 

@@ -25,9 +25,9 @@ TEST(EvaluateSegmentation, BadInputGetsOneLineAndANonZeroExit) {
   expectRefusal(dataroot + " --scenes scene-9999", "scene-9999");
   expectRefusal(dataroot + " --jobs 0", "--jobs");
   expectRefusal("--merge /nowhere.json", "/nowhere.json");
-  expectRefusal(dataroot + " --json same --csv same", "same file");
-  expectRefusal(dataroot + " --max-mask-age -1", "--max-mask-age");
-  expectRefusal(dataroot + " --mask-to-velocity --velocity ground_truth", "mask_to_velocity");
+  expectRefusal(dataroot + " --json same --csv same", "differ");
+  expectRefusal(dataroot + " --mask-max-age -1", "--mask-max-age");
+  expectRefusal(dataroot + " --mask-to-velocity --velocity ground_truth", "--mask-to-velocity");
   expectRefusal(dataroot + " --compare-loop --velocity ground_truth", "--compare-loop");
 }
 
@@ -49,6 +49,14 @@ TEST(EvaluateSegmentation, ComparesTheLoopAndMergesComparisons) {
   EXPECT_EQ(merged.exit_code, 0) << merged.text;
   // The progress of the run is in its text, too.
   EXPECT_NE(outcome.text.find(merged.text), std::string::npos) << outcome.text << merged.text;
+}
+
+TEST(EvaluateSegmentation, AReportRepeatsItsRun) {
+  const test::NuscenesFixture fixture;
+  test::expectReportRepeatsRun(
+      TOOL, "--dataroot " + fixture.dataroot().string() +
+                " --scenes scene-0001 --max-pairs 2 --working-width 160 --best --memory 0.3 "
+                "--depth-std 0.21");
 }
 
 // The paper's score and the defaults, on real images, with whatever flow is at hand.

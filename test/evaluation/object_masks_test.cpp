@@ -61,7 +61,8 @@ class ObjectMasksTest : public ::testing::Test {
 
   /// No return of the radar says that anything moves.
   static void blindRadar(ObjectEvaluationOptions& options) {
-    options.objects.returns.segmentation.isolated_threshold = options.objects.returns.segmentation.supported_threshold = 100.0;
+    options.objects.returns.segmentation.isolated_threshold =
+        options.objects.returns.segmentation.supported_threshold = 100.0;
     options.objects.detection.weak_threshold = std::numeric_limits<double>::infinity();
     options.doubtful = false;
   }
@@ -111,7 +112,8 @@ TEST_F(ObjectMasksTest, MasksSpeakOnceTheyAreKnown) {
   blindRadar(options);
   options.objects.mask_starts_tracks = true;
   options.objects.tracker.max_lag = 1.0;
-  options.objects.tracker.min_coast = options.objects.tracker.max_coast = options.objects.tracker.max_weak_time = 1.5;
+  options.objects.tracker.min_coast = options.objects.tracker.max_coast =
+      options.objects.tracker.max_weak_time = 1.5;
   EXPECT_EQ(evaluate(options).all().matched, 5U);
   options.masks.delay = 0.55;
   EXPECT_EQ(evaluate(options).all().matched, 4U) << "the third mask is known after the fourth keyframe";
