@@ -87,7 +87,7 @@ TEST(LabelledScans, AfterItsTimeAScanGoesWithWhatThereIs) {
   EXPECT_FALSE(ready[0].complete());
   EXPECT_EQ(ready[0].moving->size(), 1U);
   expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 10.0, {}), kStatic); },
-                                       {"used already"});
+                                       {"already used"});
 }
 
 TEST(LabelledScans, CloudsOfNoUseAreRefused) {
@@ -111,7 +111,7 @@ TEST(LabelledScans, CloudsOfNoUseAreRefused) {
   scans.add(cloudOf("front", 10.0, {}), kDynamic);
   scans.take(kPatient);
   expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 9.0, {}), kStatic); },
-                                       {"used already"});
+                                       {"already used"});
   scans.clear();
   scans.add(cloudOf("front", 9.0, {}), kStatic);
   scans.add(cloudOf("front", 9.0, {}), kDynamic);

@@ -259,7 +259,7 @@ TEST_F(MovingObjectsTest, BadMessagesAreNamedAndHarmNobody) {
   EXPECT_TRUE(logged(cloud_topic, "frame_id is empty"));
   EXPECT_TRUE(logged(cloud_topic, "stamp is zero"));
   EXPECT_TRUE(logged(cloud_topic, "ahead of the clock"));
-  EXPECT_TRUE(logged(cloud_topic, "used already"));
+  EXPECT_TRUE(logged(cloud_topic, "already used"));
   EXPECT_TRUE(logged("no_such_frame", "left out"));
   EXPECT_TRUE(logged(cloud_topic, "beyond"));
   EXPECT_TRUE(logged("'/odom'", "child_frame_id"));
