@@ -162,6 +162,8 @@ void validate(const OpticalFlowConfig& config) {
   requireLess(fields, config.pair_interval, config.max_pair_gap);
 }
 
+DepthConfig::DepthConfig() = default;
+
 void DepthConfig::describe(FieldList& fields) {
   stream.describe(fields);
   fields.add("radar_topics", radar_topics, "Clouds of depth_backend radar_ground, remappable");

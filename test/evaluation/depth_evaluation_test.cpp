@@ -26,7 +26,7 @@ class DepthEvaluation : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(SIMULATOR); }
   static void TearDownTestSuite() { dataroot_.reset(); }
-  static DepthReport evaluate(const std::string& depth, const std::string& truth) {
+  static DepthReport evaluate(const std::string& depth, DepthTruth truth) {
     DepthEvaluationOptions options;
     options.depth.depth.backend = depth;
     options.truth = truth;
@@ -37,7 +37,7 @@ class DepthEvaluation : public ::testing::Test {
 std::unique_ptr<test::SimulatedDataroot> DepthEvaluation::dataroot_;
 
 TEST_F(DepthEvaluation, TheTruthHasNoErrors) {
-  const DepthReport report = evaluate("ground_truth", "ground_truth");
+  const DepthReport report = evaluate("ground_truth", DepthTruth::kGroundTruth);
   EXPECT_EQ(report.scene, dataroot_->tables().scenes[0].name);
   EXPECT_GE(report.images, 4U);
   EXPECT_EQ(report.without_truth, 0U);
@@ -49,8 +49,8 @@ TEST_F(DepthEvaluation, TheTruthHasNoErrors) {
 }
 
 TEST_F(DepthEvaluation, BackendsDiffer) {
-  const DepthErrors::Sums noisy = evaluate("noisy", "ground_truth").errors.within[0];
-  const DepthErrors::Sums radar = evaluate("radar_ground", "ground_truth").errors.within[0];
+  const DepthErrors::Sums noisy = evaluate("noisy", DepthTruth::kGroundTruth).errors.within[0];
+  const DepthErrors::Sums radar = evaluate("radar_ground", DepthTruth::kGroundTruth).errors.within[0];
   EXPECT_GT(noisy.meanAbsoluteError(), 0.2);
   EXPECT_LT(noisy.meanAbsoluteError(), 3.0);
   EXPECT_GT(radar.meanAbsoluteError(), noisy.meanAbsoluteError());
@@ -69,14 +69,14 @@ TEST_F(DepthEvaluation, TheDeclaredSigmasAreOfTheSizeOfTheErrors) {
 
 // Lidar and depth image tell of one world: the truths agree but at edges.
 TEST_F(DepthEvaluation, LidarIsWhereTheTrueDepthIs) {
-  const DepthReport report = evaluate("ground_truth", "lidar");
+  const DepthReport report = evaluate("ground_truth", DepthTruth::kLidar);
   EXPECT_EQ(report.without_truth, 0U);
   EXPECT_GT(report.errors.within[0].compared, 1000U);
   EXPECT_LT(report.errors.within[0].meanAbsoluteError(), 1.0);
 }
 
 TEST_F(DepthEvaluation, CompletedLidarIsNearTheHeldOutPoints) {
-  const DepthErrors::Sums sums = evaluate("lidar", "lidar").errors.within[0];
+  const DepthErrors::Sums sums = evaluate("lidar", DepthTruth::kLidar).errors.within[0];
   EXPECT_GT(sums.coverage(), 0.5);
   EXPECT_GT(sums.meanAbsoluteError(), 0.01);
   EXPECT_LT(sums.meanAbsoluteError(), 2.0);
@@ -125,13 +125,13 @@ TEST_F(DepthEvaluation, HeldOutPointsAreNotSeen) {
 
 TEST_F(DepthEvaluation, ImagesWithoutASweepAreCountedNotCompared) {
   const dataset::Tables& tables = dataroot_->tables();
-  const std::size_t images = evaluate("ground_truth", "lidar").images;
+  const std::size_t images = evaluate("ground_truth", DepthTruth::kLidar).images;
   const dataset::Index first = tables.readingsOf(0, "LIDAR_TOP").front();
   const fs::path sweep = tables.path(tables.sample_data[static_cast<std::size_t>(first)]);
   const fs::path hidden = sweep.string() + ".hidden";
   fs::rename(sweep, hidden);
-  const DepthReport report = evaluate("ground_truth", "lidar");
-  const auto depth_by_lidar = [] { evaluate("lidar", "ground_truth"); };
+  const DepthReport report = evaluate("ground_truth", DepthTruth::kLidar);
+  const auto depth_by_lidar = [] { evaluate("lidar", DepthTruth::kGroundTruth); };
   test::expectRefusal<dataset::DatasetError>(depth_by_lidar, {"no LIDAR_TOP sweep", "CAM_FRONT"});
   fs::rename(hidden, sweep);
   EXPECT_EQ(report.images, images - 1);

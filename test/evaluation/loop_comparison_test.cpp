@@ -55,7 +55,7 @@ TEST(LoopComparison, TheOptionsThemselvesAreOneOfThem) {
     const std::vector<SegmentationEvaluationOptions> variants = loopVariants(options);
     const SegmentationEvaluationOptions& own = variants.at(ownVariant(options));
     EXPECT_EQ(own.mask_to_velocity, mask_to_velocity);
-    EXPECT_EQ(own.motion.radar_gain, 2.5);
+    EXPECT_EQ(own.segmentation.motion.radar_gain, 2.5);
     EXPECT_EQ(own.mask_directory, "masks");
     EXPECT_EQ(variants[0].segmentation.motion.radar_gain, 0.0);
     EXPECT_TRUE(variants[0].mask_directory.empty());

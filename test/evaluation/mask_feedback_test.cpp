@@ -66,7 +66,9 @@ TEST(MaskFeedback, OnlyScansWithinTheLimitHaveAMask) {
   const StampedMask mask = maskOf(10.0, 0, 799);
   StampedVelocity velocity;
   velocity.time = 10.0;
-  MaskFeedback feedback(0.5);
+  EgoVelocityConfig config;
+  config.mask_max_age = 0.5;
+  MaskFeedback feedback(config);
   feedback.mark(
       scans, [&mask](double) { return &mask; }, velocity);
   EXPECT_EQ(scans[0].known_dynamic, nullptr);  // before the mask
@@ -83,7 +85,9 @@ TEST(MaskFeedback, NothingIsKnownWithoutAMaskOrAFreshVelocity) {
   const StampedMask mask = maskOf(10.0, 0, 799);
   StampedVelocity velocity;
   velocity.time = 9.0;
-  MaskFeedback feedback(0.5);
+  EgoVelocityConfig config;
+  config.mask_max_age = 0.5;
+  MaskFeedback feedback(config);
   feedback.mark(
       scans, [&mask](double) { return &mask; }, velocity);
   EXPECT_EQ(scans[0].known_dynamic, nullptr);

@@ -155,6 +155,7 @@ struct DepthConfig {
   double radar_max_age = 0.25;
   double lidar_max_age = 0.1;
 
+  DepthConfig();  // out of line: inlined, GCC 12 takes the lists above for uninitialised
   bool isExternal() const { return depth.backend == kTopicBackend; }
   void describe(FieldList& fields);
 };
