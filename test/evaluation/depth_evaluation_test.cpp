@@ -60,7 +60,7 @@ TEST_F(DepthEvaluation, BackendsDiffer) {
 // Every backend knows about how wrong it is: within a factor of two and a half on this one street.
 TEST_F(DepthEvaluation, TheDeclaredSigmasAreOfTheSizeOfTheErrors) {
   for (const char* depth : {"noisy", "radar_ground", "lidar"}) {
-    const NormalisedErrors errors = evaluate(depth, "ground_truth").errors.normalised;
+    const NormalisedErrors errors = evaluate(depth, DepthTruth::kGroundTruth).errors.normalised;
     EXPECT_GT(errors.count(), 10000U) << depth;
     EXPECT_GT(errors.quantile(0.6827), 0.4) << depth;
     EXPECT_LT(errors.quantile(0.6827), 2.5) << depth;
