@@ -120,7 +120,7 @@ void DepthNodelet::disconnectInputs() {
 
 void DepthNodelet::connectInputs() {
   last_depth_ = ros::WallTime::now();
-  connected_backend_ = config_.depth.backend;
+  connected_backend_ = estimator_ || config_.isExternal() ? config_.depth.backend : std::string();
   if (config_.isExternal()) {
     subscribers_.push_back(
         listen<sensor_msgs::Image>(*depth_input_, "depth/input", 2,

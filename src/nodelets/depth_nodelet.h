@@ -41,7 +41,7 @@ class DepthNodelet : public ImageSubscriber {
   bool wantsUncertainty() const { return uncertainty_publisher_.getNumSubscribers() > 0; }
 
   DepthConfig config_;             // in force
-  std::string connected_backend_;  // whose inputs are subscribed
+  std::string connected_backend_;  // whose inputs are subscribed; empty: none can be told
   ros::WallTime last_depth_;
   std::unique_ptr<DepthEstimator> estimator_;  // none: the depth is external, or no backend could be made
 

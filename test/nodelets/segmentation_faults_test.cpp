@@ -471,6 +471,43 @@ TEST_F(SegmentationFaults, TimeMayGoBack) {
   EXPECT_TRUE(masksComeAgain());
 }
 
+// Returns that stand still where the patch moves: a gain for them lowers its score.
+TEST_F(SegmentationFaults, StaticReturnsLowerTheScore) {
+  const auto choose = [](double gain, double radius) {
+    dynamic_reconfigure::Reconfigure call;
+    for (const auto& [name, value] : {std::pair("static_gain", gain), std::pair("radar_radius", radius)}) {
+      dynamic_reconfigure::DoubleParameter parameter;
+      parameter.name = name;
+      parameter.value = value;
+      call.request.config.doubles.push_back(parameter);
+    }
+    return ros::service::call("segmentation/set_parameters", call);
+  };
+  const auto isEmpty = [this] { return cv::countNonZero(matOf(*masks_.messages().back(), CV_8UC1)) == 0; };
+  ros::Publisher publisher = handle_.advertise<sensor_msgs::PointCloud2>("radar/static", 10);
+  const cv::Rect patch = VisionWorld::patch();
+  const CameraIntrinsics camera =
+      VisionWorld::camera().scaledTo(VisionWorld::kGridWidth, VisionWorld::kGridHeight);
+  // One above the other, as a footprint is not high.
+  std::vector<Eigen::Vector3f> points;
+  for (int row = patch.y; row <= patch.y + patch.height; ++row) {
+    const Eigen::Vector3d ray = camera.rayOf(patch.x + 0.5 * patch.width, row);
+    points.emplace_back((VisionWorld::kDepth * ray).cast<float>());
+  }
+  world_.set([&](Frame& frame) {
+    publisher.publish(cloudOf(frame.depth.header.stamp, VisionWorld::kCameraFrame, points));
+  });
+  EXPECT_FALSE(isEmpty());
+  EXPECT_EQ(publisher.getNumSubscribers(), 0U) << "without a gain they are of no use";
+  ASSERT_TRUE(choose(100.0, 20.0));
+  EXPECT_TRUE(waitUntil(isEmpty, kPatience));
+  EXPECT_EQ(publisher.getNumSubscribers(), 1U);
+  ASSERT_TRUE(choose(0.0, 1.0));
+  EXPECT_TRUE(waitUntil([&] { return !isEmpty(); }, kPatience));
+  EXPECT_EQ(publisher.getNumSubscribers(), 0U);
+  world_.set({});
+}
+
 TEST_F(SegmentationFaults, WithoutItsRotationTheTwistHasToDo) {
   ASSERT_TRUE(waitUntil([&] { return unaided_.count() >= 3; }, kPatience));
   EXPECT_GT(maskIou(*unaided_.messages().back()), 0.9);

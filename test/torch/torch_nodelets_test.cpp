@@ -88,6 +88,16 @@ TEST_F(TorchNodelets, AWrongNetworkLeavesTheOneInUse) {
   EXPECT_NEAR(middleOf(*flows.messages().back())[0], 12.0F, 1e-3F);
 }
 
+TEST_F(TorchNodelets, AChangeElsewhereDoesNotLoadTheNetworkAgain) {
+  const std::string file = network(networks::constantFlow(24.0, 0.0));
+  ASSERT_FALSE(set("learned_flow", {{"flow_backend", "torch"}, {"flow_model", file}}).empty());
+  std::filesystem::remove(file);
+  EXPECT_EQ(set("learned_flow", {{"direction", "backward"}}).at("direction"), "backward");
+  EXPECT_EQ(set("learned_flow", {{"direction", "forward"}}).at("direction"), "forward");
+  EXPECT_TRUE(set("learned_flow", {{"preset", "fast"}}).empty()) << "the file is not there any more";
+  EXPECT_EQ(set("learned_flow", {}).at("preset"), "medium");
+}
+
 TEST_F(TorchNodelets, DepthOfTheRadarComesThroughTheNetwork) {
   const Recorder<Image> depths(handle_, "learned_depth/depth");
   set("learned_depth",
