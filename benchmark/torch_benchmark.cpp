@@ -70,10 +70,11 @@ void registerFlows() {
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
   };
-  for (const char* preset : {"medium", "fine"}) {
+  using radar_dot::FlowPreset;
+  for (const FlowPreset preset : {FlowPreset::kMedium, FlowPreset::kFine}) {
     radar_dot::OpticalFlowParams params;
     params.preset = preset;
-    add(std::string("flow/dis/") + preset, params);
+    add("flow/dis/" + std::string(toString(preset)), params);
   }
   const char* models = std::getenv("RADAR_DOT_FLOW_MODELS");
   std::istringstream files(models != nullptr ? models : "");

@@ -15,8 +15,7 @@ namespace radar_dot {
 class LazyImage {
  public:
   explicit LazyImage(sensor_msgs::ImageConstPtr raw) : raw_(std::move(raw)) {}
-  explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed)
-      : compressed_(std::move(compressed)) {}
+  explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed) : compressed_(std::move(compressed)) {}
 
   const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
   /// @throws std::invalid_argument as pictureOf()

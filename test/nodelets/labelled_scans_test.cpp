@@ -149,8 +149,8 @@ TEST(ReturnsOf, VelocitiesAreTheResidualsAndPositionsAreInTheBaseFrame) {
   EXPECT_EQ(returns[2].label, kDynamic) << "as EgoVelocity has said";
   // The mount moves with (10, 0) + 0.5 (-1, 3) = (9.5, 1.5): 9.5 m/s across the line of sight of the first.
   const OverGroundParams params;
-  EXPECT_NEAR(returns[0].variance, std::pow(params.noise.doppler_std, 2) + std::pow(params.noise.azimuth_std * 9.5, 2),
-              1e-6);
+  EXPECT_NEAR(returns[0].variance,
+              std::pow(params.noise.doppler_std, 2) + std::pow(params.noise.azimuth_std * 9.5, 2), 1e-6);
   for (const ReturnOverGround& one : returns) {
     EXPECT_EQ(one.time, 12.5);
     EXPECT_EQ(one.radar, 3U);
