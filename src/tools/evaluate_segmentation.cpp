@@ -145,6 +145,9 @@ int main(int argc, char** argv) {
   tools::letWaitingThreadsSleep();
   radar_dot::Configuration configuration;
   Arguments arguments;
+  // Half a second between keyframes is more than dis finds from zero; networks do, and start from it below.
+  radar_dot::OpticalFlowParams& flow = configuration.optical_flow.flow;
+  flow.initialisation = radar_dot::FlowStart::kExpected;
   tools::CommandLine command_line(
       kTool, "Scores dynamic masks against nuInsSeg on a nuScenes dataroot, as the paper's Table I.",
       {"evaluate_segmentation --dataroot /data/nuscenes --config config/nuscenes.yaml --scenes scene-0103 "
@@ -167,11 +170,9 @@ int main(int argc, char** argv) {
   command_line.exclude(name_of(&arguments.ablation), name_of(&arguments.best));
   return tools::runEvaluator(command_line, kTool, argc, argv, [&] {
     SegmentationEvaluationOptions& options = arguments.options;
-    radar_dot::OpticalFlowParams& flow = configuration.optical_flow.flow;
-    // Half a second between keyframes is more than dis finds from zero; networks do.
     if (!command_line.givenMember(&flow.initialisation) &&
-        flow.backend == radar_dot::OpticalFlowParams{}.backend)
-      flow.initialisation = radar_dot::FlowStart::kExpected;
+        flow.backend != radar_dot::OpticalFlowParams{}.backend)
+      flow.initialisation = radar_dot::FlowStart::kNone;
     options.ego_velocity = configuration.ego_velocity;
     options.optical_flow = configuration.optical_flow;
     options.depth = configuration.depth;

@@ -126,7 +126,7 @@ TEST(ObjectDetection, ARegionWithoutFlowTellsThePlaceAlone) {
   EXPECT_NEAR(alone[0].velocity_covariance(1, 1), 1e4, 1e-6);
 }
 
-TEST(ObjectDetection, RefusesParametersWithoutSense) {
+TEST(ObjectDetection, RefusesInvalidParameters) {
   DetectionParams params;
   params.unobserved_std = 0.0;
   EXPECT_THROW(detectObjects(0.0, {}, {}, params), std::invalid_argument);

@@ -127,7 +127,7 @@ TEST(LookBack, IsForTheScoreByUncertaintyAndOneGrid) {
   test::expectRefusal<std::invalid_argument>([&] { MotionSegmenter().segment(pair, &before); }, {"paper"});
   before.camera.width = 80;
   test::expectRefusal<std::invalid_argument>([&] { MotionSegmenter(Wall::params()).segment(pair, &before); },
-                                             {"pair before"});
+                                             {"previous pair"});
 }
 
 TEST(Belief, LogOddsAreStandardDeviationsAboveTheThreshold) {

@@ -110,15 +110,15 @@ struct EnumNames<evaluation::VelocitySource> {
   static constexpr EnumName<evaluation::VelocitySource> kValues[] = {
       {evaluation::VelocitySource::kRadar, "radar", "mean of the estimates over the pair"},
       {evaluation::VelocitySource::kRadarStart, "radar_start", "the estimate at its begin, as in the paper"},
-      {evaluation::VelocitySource::kGroundTruth, "ground_truth"}};
+      {evaluation::VelocitySource::kGroundTruth, "ground_truth", "displacement of the poses"}};
 };
 
 template <>
 struct EnumNames<evaluation::RotationSource> {
   static constexpr const char* kWhat = "rotation";
   static constexpr EnumName<evaluation::RotationSource> kValues[] = {
-      {evaluation::RotationSource::kGroundTruth, "ground_truth", "as in the paper"},
-      {evaluation::RotationSource::kRadar, "radar"}};
+      {evaluation::RotationSource::kGroundTruth, "ground_truth", "of the poses, as in the paper"},
+      {evaluation::RotationSource::kRadar, "radar", "yaw rate of the estimates"}};
 };
 
 }  // namespace radar_dot

@@ -61,7 +61,7 @@ struct DetectionParams {
   double max_velocity_difference = 1.0;
   double extent_std = 0.5;            // more returns do not average it out
   double shared_velocity_std = 0.12;  // rounding, moving parts, the ego velocity
-  double unobserved_std = 100.0;      ///< m/s, 1 sigma of velocities that nothing measures
+  double unobserved_std = 100.0;
   double weak_threshold = 0.5;
   double region_gate = 3.0;
 
@@ -75,6 +75,8 @@ struct DetectionParams {
     fields.add("shared_velocity_std", shared_velocity_std,
                "1 sigma of the velocity error shared by the returns of one radar on one object", "m/s",
                {0.0, 100.0});
+    fields.add("unobserved_std", unobserved_std,
+               "1 sigma of the components of a velocity that nothing measures", "m/s", {0.01, 1e6});
     fields.add("weak_threshold", weak_threshold,
                "Static returns at least this fast may continue a track; inf: none", "m/s", {0.0});
     fields.add("region_gate", region_gate,
