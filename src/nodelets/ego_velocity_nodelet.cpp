@@ -112,7 +112,7 @@ void EgoVelocityNodelet::setUpRadars(const std::map<std::string, RadarEntry>& en
 std::string EgoVelocityNodelet::disabledBy() const {
   const std::string disabled = "estimation disabled until the parameters are corrected";
   if (!server_ || !server_->usable()) return disabled;
-  const char* scale = nameOf(config_, config_.extraction.doppler_scale);
+  static const char* const scale = nameOf(config_, config_.extraction.doppler_scale);  // asked for every cloud
   return server_->refusedAtStart(scale) ? disabled + ": " + scale : "";
 }
 
