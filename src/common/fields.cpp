@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <numeric>
 
 namespace radar_dot {
@@ -222,6 +223,12 @@ void Field::setFromText(const std::string& given) const {
       return set(list);
     }
   }
+}
+
+void FieldList::append(const FieldList& other, const std::function<bool(const Field&)>& filter) {
+  std::copy_if(other.begin(), other.end(), std::back_inserter(fields_),
+               [&filter](const Field& field) { return !filter || filter(field); });
+  dictionaries_.insert(dictionaries_.end(), other.dictionaries_.begin(), other.dictionaries_.end());
 }
 
 const Field* FieldList::find(std::string_view name) const {

@@ -8,25 +8,20 @@
 #include <cctype>
 #include <cstdio>
 #include <cstring>
+#include <regex>
 #include <stdexcept>
 
-#include "parameter_report.h"
+#include "parameter_document.h"
 
 namespace radar_dot::tools {
 namespace {
 
-namespace po = boost::program_options;
-
 constexpr const char* kHelp = "help";
 constexpr const char* kConfig = "config";
 constexpr const char* kNo = "no-";
-constexpr const char* kOwnOptions = "options";
 
 /// How the tool was called is wrong.
-class UsageError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+[[noreturn]] void fail(const std::string& what) { throw InvalidParameter({}, what); }
 
 std::string optionName(std::string name) {
   std::replace(name.begin(), name.end(), '_', '-');
@@ -40,37 +35,7 @@ bool contains(const std::vector<std::string>& names, const Field& field) {
 bool isList(FieldType type) { return type == FieldType::kIntList || type == FieldType::kTextList; }
 
 bool sameMeaning(const Field& a, const Field& b) {
-  const auto same_names = [](const auto& x, const auto& y) { return std::string(x.first) == y.first; };
-  return a.type == b.type && std::string(a.unit) == b.unit && a.range.lowest == b.range.lowest &&
-         a.range.highest == b.range.highest &&
-         std::equal(a.choices.begin(), a.choices.end(), b.choices.begin(), b.choices.end(), same_names);
-}
-
-/// What was typed, in the words of Boost.
-std::string usageOf(const po::invalid_command_line_syntax& error) {
-  const std::string name = error.get_option_name();
-  switch (error.kind()) {
-    case po::invalid_syntax::extra_parameter: return name + " takes no value";
-    case po::invalid_syntax::missing_parameter: return name + " needs a value";
-    default: return name + " needs a value after '='";
-  }
-}
-
-bool asksForHelp(const po::option& option) {
-  return option.string_key == kHelp || (option.string_key.empty() && option.value.front() == "-h");
-}
-
-/// Replaces a name where it stands as a word of its own, once.
-void replaceWord(std::string& text, const std::string& word, const std::string& by) {
-  const auto is_part = [&text](std::size_t at) {
-    return at < text.size() &&
-           (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '_' || text[at] == '-');
-  };
-  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
-    if ((at > 0 && is_part(at - 1)) || is_part(at + word.size())) continue;
-    text.replace(at, word.size(), by);
-    return;
-  }
+  return a.type == b.type && std::string(a.unit) == b.unit && a.valid() == b.valid();
 }
 
 }  // namespace
@@ -86,25 +51,33 @@ FieldFilter except(std::vector<std::string> names) {
 CommandLine::CommandLine(std::string tool, std::string purpose, std::vector<std::string> examples)
     : tool_(std::move(tool)), purpose_(std::move(purpose)), examples_(std::move(examples)) {}
 
-void CommandLine::setSections(std::vector<Section> sections) { sections_ = std::move(sections); }
+void CommandLine::setSections(std::vector<Section> sections) {
+  sections_ = std::move(sections);
+  for (const Section& section : sections_)
+    offered_.insert(offered_.end() - 1, {section.name, section.nodelet, {}});
+}
+
+FieldList CommandLine::offered(const std::string& heading, const FieldList& fields,
+                               const FieldFilter& filter) {
+  FieldList list;
+  list.append(fields,
+              [&filter](const Field& field) { return !field.live_only && (!filter || filter(field)); });
+  for (const Field& field : list) addOption(heading, field);
+  return list;
+}
 
 void CommandLine::add(const std::string& heading, const FieldList& fields, const FieldFilter& filter) {
-  addFields(heading, fields, filter, false);
+  const auto is_same = [&fields](const Section& section) {
+    return std::any_of(section.fields.begin(), section.fields.end(), [&fields](const Field& field) {
+      return fields.size() > 0 && field.address == fields.begin()->address;
+    });
+  };
+  const auto place = std::find_if(sections_.begin(), sections_.end(), is_same) - sections_.begin();
+  offered_[static_cast<std::size_t>(place)].fields.append(offered(heading, fields, filter));
 }
 
 void CommandLine::addOutputs(const std::string& heading, const FieldList& fields, const FieldFilter& filter) {
-  addFields(heading, fields, filter, true);
-}
-
-void CommandLine::addFields(const std::string& heading, const FieldList& fields, const FieldFilter& filter,
-                            bool output) {
-  Added added{fields, {}};
-  for (const Field& field : fields) {
-    if (field.live_only || (filter && !filter(field))) continue;
-    addOption(heading, field);
-    added.offered.push_back(field);
-  }
-  if (!output) added_.push_back(std::move(added));
+  offered(heading, fields, filter);
 }
 
 void CommandLine::addOption(const std::string& heading, const Field& field) {
@@ -163,98 +136,53 @@ std::string CommandLine::nearestOption(const std::string& name) const {
   return nearest.empty() ? nearest : "--" + nearest;
 }
 
-std::vector<std::string> CommandLine::wordsOf(int argc, const char* const* argv) const {
-  std::vector<std::string> words;
-  for (int i = 1; i < argc; ++i) {
-    std::string word = argv[i];
-    const bool is_option = word.rfind("--", 0) == 0;
-    const std::size_t equals = word.find('=');
-    const Option* option = is_option ? find(word.substr(2, std::min(equals, word.size()) - 2)) : nullptr;
-    const Option* switched_off =
-        is_option && word.rfind(kNo, 2) == 2 ? find(word.substr(2 + std::strlen(kNo))) : nullptr;
-    if (option != nullptr && option->isFlag() && equals == std::string::npos) {
-      word += "=true";
-    } else if (option != nullptr && !option->isFlag() && equals == word.size() - 1) {
-      // Boost refuses an empty value after '=', which clears a text or a list.
-      words.push_back(word.substr(0, equals));
-      word.clear();
-    } else if (switched_off != nullptr && switched_off->isFlag()) {
-      word = "--" + switched_off->name + "=false";
-    }
-    words.push_back(std::move(word));
+std::pair<const CommandLine::Option*, std::optional<std::string>> CommandLine::optionIn(
+    const std::string& word) const {
+  const std::size_t equals = std::min(word.find('='), word.size());
+  const std::string name = word.substr(2, equals - 2);
+  std::optional<std::string> value;
+  if (equals < word.size()) value = word.substr(equals + 1);
+  const Option* option = find(name);
+  const Option* off = name.rfind(kNo, 0) == 0 ? find(name.substr(std::strlen(kNo))) : nullptr;
+  if (option == nullptr && off != nullptr && off->isFlag()) {
+    if (value) fail("--" + name + " takes no value");
+    return {off, "false"};
   }
-  return words;
+  if (name == kHelp) fail("--" + name + " takes no value");
+  const bool is_config = name == kConfig && !sections_.empty();
+  if (option == nullptr && !is_config) fail(didYouMean("unknown option --" + name, nearestOption(name)));
+  const bool is_flag = option != nullptr && option->isFlag();
+  // It clears a text or a list.
+  if (value == "" && (is_flag || is_config)) fail("--" + name + " needs a value after '='");
+  if (!value && is_flag) value = "true";
+  return {option, value};
 }
 
-std::vector<po::option> CommandLine::optionsIn(const std::vector<std::string>& words) const {
-  po::options_description description;
-  // They take ownership of the values.
-  const auto declare = [&description](const std::string& name, const po::value_semantic* value) {
-    description.add_options()(name.c_str(), value, "");
-  };
-  declare(kHelp, new po::untyped_value(true));
-  if (!sections_.empty()) declare(kConfig, po::value<std::string>());
-  for (const Option& option : options_) {
-    declare(option.name, po::value<std::string>());
-    if (option.isFlag()) declare(kNo + option.name, new po::untyped_value(true));
-  }
-  const auto style = po::command_line_style::allow_long | po::command_line_style::long_allow_adjacent |
-                     po::command_line_style::long_allow_next;
-  try {
-    return po::command_line_parser(words)
-        .options(description)
-        .style(style)
-        .allow_unregistered()
-        .run()
-        .options;
-  } catch (const po::invalid_command_line_syntax& error) {
-    throw UsageError(usageOf(error));
-  }
-}
-
-CommandLine::Settings CommandLine::settingsOf(const std::vector<po::option>& parsed) const {
-  Settings settings;
+std::vector<CommandLine::Setting> CommandLine::settingsIn(const std::vector<std::string>& words,
+                                                          std::vector<std::string>& files) const {
+  std::vector<Setting> settings;
   const Option* previous = nullptr;
-  for (const po::option& each : parsed) {
-    const std::string& name = each.string_key;
-    const std::string value = each.value.empty() ? "" : each.value.front();
-    if (name.empty()) {
+  for (auto word = words.begin(); word != words.end(); ++word) {
+    if (word->rfind("--", 0) != 0 || *word == "--") {
       const bool is_list = previous != nullptr && isList(previous->field().type);
-      throw UsageError(fmt::format("'{}' belongs to no option{}", value,
-                                   is_list ? "; the items of a list are joined by commas" : ""));
+      fail(fmt::format("'{}' belongs to no option{}", *word,
+                       is_list ? "; the items of a list are joined by commas" : ""));
     }
-    if (each.unregistered) throw UsageError(didYouMean("unknown option --" + name, nearestOption(name)));
-    // The next option, whether Boost knows it or not.
-    if (each.original_tokens.size() > 1 && value.rfind("--", 0) == 0)
-      throw UsageError(fmt::format("--{} needs a value", name));
-    previous = find(name);
-    if (name == kConfig) {
-      settings.files.push_back(value);
+    auto [option, value] = optionIn(*word);
+    if (!value) {
+      if (word + 1 == words.end() || word[1].rfind("--", 0) == 0) fail(*word + " needs a value");
+      value = *++word;
+    }
+    previous = option;
+    if (option == nullptr) {
+      files.push_back(*value);
       continue;
     }
-    for (const Setting& setting : settings.values)
-      if (setting.option == previous) throw UsageError(fmt::format("--{} is given twice", name));
-    settings.values.push_back({previous, value});
+    for (const Setting& setting : settings)
+      if (setting.first == option) fail(fmt::format("--{} is given twice", option->name));
+    settings.emplace_back(option, *value);
   }
   return settings;
-}
-
-void CommandLine::readFiles(const std::vector<std::string>& files) {
-  ReportOwner owner;
-  owner.tool = tool_;
-  for (const Added& added : added_)
-    if (sectionOf(added.list) == kOwnOptions) owner.options.push_back(added.list);
-  for (const std::string& file : files) {
-    const std::vector<const void*> members = readConfigFile(file, sections_, owner);
-    given_.insert(members.begin(), members.end());
-  }
-}
-
-void CommandLine::set(const Setting& setting) {
-  for (const Field& field : setting.option->fields) {
-    field.setFromText(setting.text);
-    given_.insert(field.address);
-  }
 }
 
 bool CommandLine::isOn(const std::string& name) const {
@@ -265,31 +193,37 @@ bool CommandLine::isOn(const std::string& name) const {
 
 void CommandLine::checkRules() const {
   for (const auto& [one, other] : exclusions_)
-    if (isOn(one) && isOn(other)) throw UsageError(fmt::format("--{} excludes --{}", one, other));
+    if (isOn(one) && isOn(other)) fail(fmt::format("--{} excludes --{}", one, other));
   for (const Requirement& each : requirements_) {
     if (isOn(each.name) || (each.condition && !each.condition())) continue;
-    throw UsageError(fmt::format("--{}{}{} must be given: {}", each.name,
-                                 each.alternative.empty() ? "" : " or --", each.alternative,
-                                 known(each.name).field().text));
+    fail(fmt::format("--{}{}{} must be given: {}", each.name, each.alternative.empty() ? "" : " or --",
+                     each.alternative, known(each.name).field().text));
   }
 }
 
 std::optional<int> CommandLine::parse(int argc, const char* const* argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  // Who asks for help gets it, whatever else is wrong.
+  if (std::any_of(words.begin(), words.end(),
+                  [](const std::string& word) { return word == "--help" || word == "-h"; })) {
+    std::fputs(help().c_str(), stdout);
+    return 0;
+  }
   try {
-    const std::vector<po::option> parsed = optionsIn(wordsOf(argc, argv));
-    // Who asks for help gets it, whatever else is wrong.
-    if (std::any_of(parsed.begin(), parsed.end(), asksForHelp)) {
-      std::fputs(help().c_str(), stdout);
-      return 0;
+    std::vector<std::string> files;
+    const std::vector<Setting> settings = settingsIn(words, files);
+    for (const std::string& file : files)
+      for (const void* member : readConfigFile(file, sections_, tool_, offered_.back().fields))
+        given_.insert(member);
+    for (const auto& [option, text] : settings) {
+      for (const Field& field : option->fields) {
+        field.setFromText(text);
+        given_.insert(field.address);
+      }
     }
-    const Settings settings = settingsOf(parsed);
-    readFiles(settings.files);
-    for (const Setting& setting : settings.values) set(setting);
     checkRules();
   } catch (const InvalidParameter& error) {
     return refuse(error);
-  } catch (const UsageError& error) {
-    return refuse(std::string(error.what()));
   } catch (const ConfigFileError& error) {
     return complain(error.what());
   }
@@ -315,36 +249,14 @@ int CommandLine::refuse(const std::string& what) const { return complain(what + 
 
 int CommandLine::refuse(const InvalidParameter& error) const {
   std::string text = error.what();
-  for (const std::string& name : error.names())
-    if (const Option* option = find(optionName(name))) replaceWord(text, name, "--" + option->name);
+  for (const std::string& name : error.names()) {
+    if (find(optionName(name)) == nullptr) continue;
+    const std::regex word("(^|[^\\w-])" + name + "(?![\\w-])");
+    text = std::regex_replace(text, word, "$1--" + optionName(name), std::regex_constants::format_first_only);
+  }
   return refuse(text);
 }
 
-std::string CommandLine::sectionOf(const FieldList& fields) const {
-  for (const Section& section : sections_) {
-    for (const Field& known : section.fields)
-      if (fields.size() > 0 && known.address == fields.begin()->address) return section.name;
-  }
-  return kOwnOptions;
-}
-
-std::string CommandLine::parametersJson() const {
-  std::vector<std::string> names;
-  for (const Section& section : sections_) names.emplace_back(section.name);
-  names.emplace_back(kOwnOptions);
-  std::vector<RecordedSection> recorded;
-  for (const std::string& name : names) {
-    RecordedSection section;
-    section.name = name;
-    for (const Added& added : added_) {
-      if (sectionOf(added.list) != name) continue;
-      section.fields.insert(section.fields.end(), added.offered.begin(), added.offered.end());
-      const std::vector<FieldDictionary>& dictionaries = added.list.dictionaries();
-      section.dictionaries.insert(section.dictionaries.end(), dictionaries.begin(), dictionaries.end());
-    }
-    if (!section.fields.empty() || !section.dictionaries.empty()) recorded.push_back(std::move(section));
-  }
-  return radar_dot::tools::parametersJson(tool_, recorded);
-}
+std::string CommandLine::parametersJson() const { return tools::parametersJson(tool_, offered_); }
 
 }  // namespace radar_dot::tools

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "parameter_document.h"
 
+#include <rapidjson/prettywriter.h>
+#include <rapidjson/stringbuffer.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <functional>
 #include <set>
 #include <utility>
+
+#include "text_layout.h"
 
 namespace radar_dot::tools {
 namespace {
@@ -75,86 +79,44 @@ struct YamlValue {
   }
 };
 
-using GroupVisit = std::function<void(const std::string& group, const std::vector<const Field*>& fields)>;
-
-/// The fields by their groups, in the order in which the groups appear first.
-void forEachGroup(const FieldList& fields, const GroupVisit& visit) {
-  std::vector<std::pair<std::string, std::vector<const Field*>>> groups;
-  for (const Field& field : fields) {
-    const auto found = std::find_if(groups.begin(), groups.end(),
-                                    [&field](const auto& group) { return group.first == field.group; });
-    if (found == groups.end())
-      groups.push_back({field.group, {&field}});
-    else
-      found->second.push_back(&field);
-  }
-  for (const auto& [group, members] : groups) visit(group, members);
-}
-
-/// Shows one entry of a dictionary: those there are, or one that is made to be shown.
-void forEachEntry(
-    const FieldDictionary& dictionary,
-    const std::function<void(const std::string& key, const FieldList& entry, bool exists)>& visit) {
-  const std::vector<std::string> keys = dictionary.keys();
-  for (const std::string& key : keys) visit(key, dictionary.entry(key), true);
-  if (!keys.empty()) return;
-  visit("name", dictionary.entry("name"), false);
-  dictionary.erase("name");
-}
+std::string groupOf(const Field& field) { return field.group; }
 
 std::string marksOf(const Field& field) {
   std::string marks = field.at_start ? "at start" : "";
-  if (field.live_only) marks += marks.empty() ? "live only" : ", live only";
+  append(marks, field.live_only ? "live only" : "", ", ");
   return marks;
 }
 
-std::string remarkOf(const Field& field) {
-  std::string remark;
-  const auto append = [&remark](const std::string& part) {
-    if (!part.empty()) remark += (remark.empty() ? "" : "; ") + part;
-  };
-  if (field.type != FieldType::kEnum) append(field.valid().empty() ? field.unit : field.valid());
-  append(marksOf(field));
-  return remark.empty() ? "" : " [" + remark + "]";
-}
-
 /// A comment of as many lines as it takes.
-std::string comment(const std::string& text, const std::string& indent) {
-  constexpr std::size_t kWidth = 110;
-  std::string lines;
-  std::string line = indent + "#";
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    if (line.size() + 1 + end - begin > kWidth) {
-      lines += line + "\n";
-      line = indent + "#";
-    }
-    line += " " + text.substr(begin, end - begin);
-    begin = end + 1;
-  }
-  return lines + line + "\n";
+std::string comment(const std::string& indent, const std::string& text, const char* mark = "# ") {
+  return wrapped(indent + mark, text, indent + "# ", 110);
 }
 
-std::string yamlField(const Field& field, const std::string& indent, bool exists) {
-  std::string text = comment(field.text + remarkOf(field), indent);
+std::string yamlField(const Field& field, const std::string& indent, const char* mark = "") {
+  std::string remark;
+  if (field.type != FieldType::kEnum) append(remark, field.valid().empty() ? field.unit : field.valid());
+  append(remark, marksOf(field));
+  std::string text = comment(indent, field.text + (remark.empty() ? "" : " [" + remark + "]"));
   for (const auto& [name, meaning] : field.choices)
-    text += comment(std::string("  ") + name + (*meaning == '\0' ? "" : std::string(": ") + meaning), indent);
+    text += comment(indent, std::string(name) + (*meaning == '\0' ? "" : ": ") + meaning, "#   ");
   const FieldValue value = field.get();
   const bool is_set = !std::holds_alternative<std::monostate>(value);
-  return text + indent + (exists && is_set ? "" : "# ") + field.name + ":" +
+  return text + indent + (is_set ? mark : "# ") + field.name + ":" +
          (is_set ? " " + std::visit(YamlValue(), value) : "") + "\n";
 }
 
+/// Its entries, or where there are none one that is made to be shown.
 std::string yamlDictionary(const FieldDictionary& dictionary) {
-  std::string text = "\n" + comment(dictionary.text, "  ");
-  bool is_first = true;
-  forEachEntry(dictionary, [&](const std::string& key, const FieldList& entry, bool exists) {
-    const char* mark = exists ? "" : "# ";
-    if (is_first) text += std::string("  ") + mark + dictionary.name + ":\n";
-    is_first = false;
-    text += std::string("  ") + mark + "  " + yamlText(key) + ":" + "\n";
-    for (const Field& field : entry) text += yamlField(field, "      ", exists);
-  });
+  std::vector<std::string> keys = dictionary.keys();
+  const bool is_empty = keys.empty();
+  if (is_empty) keys = {"name"};
+  const char* mark = is_empty ? "# " : "";
+  std::string text = "\n" + comment("  ", dictionary.text) + "  " + mark + dictionary.name + ":\n";
+  for (const std::string& key : keys) {
+    text += std::string("  ") + mark + "  " + yamlText(key) + ":\n";
+    for (const Field& field : dictionary.entry(key)) text += yamlField(field, "      ", mark);
+  }
+  if (is_empty) dictionary.erase("name");
   return text;
 }
 
@@ -180,18 +142,67 @@ std::string markdownRow(const Field& field) {
   const std::string marks = marksOf(field);
   if (!marks.empty()) meaning += " (*" + marks + "*)";
   const FieldValue value = field.get();
-  std::string shown = toText(value);
-  if (std::holds_alternative<std::monostate>(value))
-    shown = "not set";
-  else
-    shown = shown.empty() ? "empty" : code(shown);
+  std::string shown = code(toText(value));
+  if (shown.empty()) shown = std::holds_alternative<std::monostate>(value) ? "not set" : "empty";
   return "| " + code(field.name) + " | " + field.unit + " | " + cell(shown) + " | " + cell(valid) + " | " +
          cell(meaning) + " |\n";
 }
 
 constexpr const char* kTableHead =
-    "| name | unit | default | valid | meaning |\n"
+    "\n| name | unit | default | valid | meaning |\n"
     "|---|---|---|---|---|\n";
+
+using JsonWriter = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
+
+void writeText(JsonWriter& writer, const std::string& text) {
+  writer.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
+}
+
+struct ValueWriter {
+  JsonWriter& writer;
+  void operator()(std::monostate) const { writer.Null(); }
+  void operator()(bool is) const { writer.Bool(is); }
+  void operator()(std::int64_t number) const { writer.Int64(number); }
+  void operator()(double number) const {
+    // JSON has no infinity.
+    if (std::isfinite(number))
+      writer.Double(number);
+    else
+      writeText(writer, toText(number));
+  }
+  void operator()(const std::string& text) const { writeText(writer, text); }
+  void operator()(const std::vector<int>& list) const {
+    writer.StartArray();
+    for (const int number : list) writer.Int(number);
+    writer.EndArray();
+  }
+  void operator()(const std::vector<std::string>& list) const {
+    writer.StartArray();
+    for (const std::string& text : list) writeText(writer, text);
+    writer.EndArray();
+  }
+};
+
+void writeMembers(JsonWriter& writer, const FieldList& fields) {
+  std::set<std::string> written;
+  writer.StartObject();
+  for (const Field& field : fields) {
+    if (field.live_only || !written.insert(field.name).second) continue;
+    writer.Key(field.name);
+    std::visit(ValueWriter{writer}, field.get());
+  }
+  for (const FieldDictionary& dictionary : fields.dictionaries()) {
+    if (!written.insert(dictionary.name).second) continue;
+    writer.Key(dictionary.name);
+    writer.StartObject();
+    for (const std::string& key : dictionary.keys()) {
+      writer.Key(key.c_str());
+      writeMembers(writer, dictionary.entry(key));
+    }
+    writer.EndObject();
+  }
+  writer.EndObject();
+}
 
 }  // namespace
 
@@ -199,13 +210,12 @@ std::string parametersYaml(const std::vector<Section>& sections) {
   std::string text = kYamlIntroduction;
   for (const Section& section : sections) {
     text += std::string("\n") + section.name + ":\n";
-    bool is_first = true;
-    forEachGroup(section.fields, [&](const std::string& group, const std::vector<const Field*>& fields) {
-      if (!is_first) text += "\n";
-      is_first = false;
+    const char* gap = "";
+    for (const auto& [group, fields] : grouped(section.fields, groupOf)) {
+      text += std::exchange(gap, "\n");
       if (!group.empty()) text += "  # --- " + group + " ---\n";
-      for (const Field* field : fields) text += yamlField(*field, "  ", true);
-    });
+      for (const Field* field : fields) text += yamlField(*field, "  ");
+    }
     for (const FieldDictionary& dictionary : section.fields.dictionaries())
       text += yamlDictionary(dictionary);
   }
@@ -217,23 +227,47 @@ std::string parametersMarkdown(const std::vector<Section>& sections) {
   for (const Section& section : sections) {
     text += std::string("\n## ") + section.name + "\n";
     if (*section.nodelet != '\0') text += "\nNodelet " + code(section.nodelet) + ".\n";
-    forEachGroup(section.fields, [&text](const std::string& group, const std::vector<const Field*>& fields) {
-      if (!group.empty()) text += "\n### " + group + "\n";
-      text += std::string("\n") + kTableHead;
+    for (const auto& [group, fields] : grouped(section.fields, groupOf)) {
+      text += (group.empty() ? "" : "\n### " + group + "\n") + kTableHead;
       for (const Field* field : fields) text += markdownRow(*field);
-    });
+    }
     for (const FieldDictionary& dictionary : section.fields.dictionaries()) {
-      text += "\n### " + code(dictionary.name) + "\n\n" + dictionary.text + ". Of each, by name:\n\n" +
-              kTableHead;
-      bool is_first = true;
-      forEachEntry(dictionary, [&](const std::string&, const FieldList& entry, bool) {
-        if (is_first)
-          for (const Field& field : entry) text += markdownRow(field);
-        is_first = false;
-      });
+      const std::vector<std::string> keys = dictionary.keys();
+      const std::string key = keys.empty() ? "name" : keys.front();
+      text +=
+          "\n### " + code(dictionary.name) + "\n\n" + dictionary.text + ". Of each, by name:\n" + kTableHead;
+      for (const Field& field : dictionary.entry(key)) text += markdownRow(field);
+      if (keys.empty()) dictionary.erase(key);
     }
   }
   return text;
+}
+
+std::string parametersJson(const std::string& tool, const std::vector<Section>& sections) {
+  rapidjson::StringBuffer buffer;
+  JsonWriter writer(buffer);
+  writer.SetFormatOptions(rapidjson::kFormatSingleLineArray);
+  writer.StartObject();
+  writer.Key("tool");
+  writeText(writer, tool);
+  for (const Section& section : sections) {
+    if (section.fields.size() == 0 && section.fields.dictionaries().empty()) continue;
+    writer.Key(section.name);
+    writeMembers(writer, section.fields);
+  }
+  writer.EndObject();
+  return {buffer.GetString(), buffer.GetSize()};
+}
+
+std::string withParameters(const std::string& report, const std::string& parameters) {
+  const std::size_t begin = report.find('{') + 1;
+  std::string member = "\n    \"parameters\": ";
+  for (const char c : parameters) {
+    member += c;
+    if (c == '\n') member += "    ";  // strings hold no line break as such
+  }
+  const bool is_empty = report[report.find_first_not_of(" \n", begin)] == '}';
+  return report.substr(0, begin) + member + (is_empty ? "\n" : ",") + report.substr(begin);
 }
 
 }  // namespace radar_dot::tools

@@ -10,7 +10,7 @@
 
 #include "fixtures/files.h"
 #include "tools/field_values.h"
-#include "tools/parameter_report.h"
+#include "tools/parameter_document.h"
 #include "tools/toy_sections.h"
 
 namespace radar_dot::tools {
