@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-#include "fixtures/other_value.h"
+#include "fixtures/field_values.h"
 
 namespace radar_dot {
 namespace {
@@ -79,7 +79,7 @@ TEST(Sections, SettingAFieldChangesThatFieldAlone) {
       const std::vector<Section> untouched = sectionsOf(before);
       const std::vector<Section> changed = sectionsOf(after);
       const Field& field = *(changed[s].fields.begin() + static_cast<std::ptrdiff_t>(f));
-      field.set(test::otherValue(field));
+      field.set(test::anotherValue(field));
       for (std::size_t t = 0; t < changed.size(); ++t) {
         for (std::size_t g = 0; g < changed[t].fields.size(); ++g) {
           const Field& now = *(changed[t].fields.begin() + static_cast<std::ptrdiff_t>(g));
