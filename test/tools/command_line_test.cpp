@@ -252,6 +252,7 @@ TEST(CommandLine, ParametersGoInFrontOfTheReport) {
 
 TEST(CommandLine, HelpIsForReading) {
   Tool tool;
+  tool.configuration.ego_velocity.extraction.doppler_field = "v";
   tool.command_line.require("dataroot");
   testing::internal::CaptureStdout();
   EXPECT_EQ(tool.parse({"--help", "--zzz"}), 0);
@@ -262,10 +263,18 @@ TEST(CommandLine, HelpIsForReading) {
   for (const char* part :
        {"Usage: evaluate_toy [--config FILE]... [OPTION]...\nScores toys.\n",
         "\n  --dataroot TEXT               Folder of the data set [required]\n",
-        "\nEgo velocity / Estimator:\n", "\n  --max-distance NUMBER         X",
-        "\n  --azimuth-std NUMBER          X", "\n  --solver NAME                 X",
+        "\nEgo velocity / Estimator:\n",
+        "\n  --ransac-iterations INTEGER   Hypotheses of the random sampling [between 1 and 1000000; "
+        "default\n"
+        "                                100]\n",
+        "1 sigma of the bearing of a radar return [between 0 and 1 rad;\n"
+        "                                default 0.0175 (Ego velocity), 0.02 (Objects)]\n",
+        "\n  --solver NAME                 How the Doppler constraints are solved [default ransac_robust]\n"
+        "                                  least_squares  every return weighs the same (LSQ of the paper)\n"
+        "                                  ransac         consensus, then least squares on its inliers\n"
+        "                                                 (LSQ+RANSAC of the paper)\n",
         "\n  --[no-]neighbourhood          Final", "\n  --all                         All scenes\n",
-        "\n  --slip TEXT                X", "\nExamples:\n  evaluate_toy --all\n"})
+        "(vx, vy) [default v]\n", "\nExamples:\n  evaluate_toy --all\n"})
     EXPECT_NE(help.find(part), std::string::npos) << part << "\n" << help;
 }
 
