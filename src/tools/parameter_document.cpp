@@ -58,23 +58,34 @@ std::string yamlText(const std::string& text) {
   return quoted + "'";
 }
 
-struct YamlValue {
+using JsonWriter = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
+
+std::string jsonText(const std::string& text) {
+  rapidjson::StringBuffer buffer;
+  rapidjson::Writer<rapidjson::StringBuffer>(buffer).String(text.data(),
+                                                            static_cast<rapidjson::SizeType>(text.size()));
+  return buffer.GetString();
+}
+
+/// A value in YAML, or in JSON, which has no infinity.
+struct ValueText {
+  std::string (*quoted)(const std::string& text);
   std::string operator()(std::monostate) const { return "null"; }
   std::string operator()(bool is) const { return toText(is); }
   std::string operator()(std::int64_t number) const { return toText(number); }
   std::string operator()(double number) const {
     std::string text = toText(number);
+    if (!std::isfinite(number) && quoted == jsonText) return quoted(text);
     if (std::isinf(number)) return number < 0.0 ? "-.inf" : ".inf";
     // Without a point, roslaunch takes 1e-07 for a text.
-    const std::size_t exponent = text.find('e');
-    if (text.find('.') == std::string::npos) text.insert(std::min(exponent, text.size()), ".0");
+    if (text.find('.') == std::string::npos) text.insert(std::min(text.find('e'), text.size()), ".0");
     return text;
   }
-  std::string operator()(const std::string& text) const { return yamlText(text); }
+  std::string operator()(const std::string& text) const { return quoted(text); }
   std::string operator()(const std::vector<int>& list) const { return "[" + toText(list) + "]"; }
   std::string operator()(const std::vector<std::string>& list) const {
     std::string items;
-    for (const std::string& text : list) items += (items.empty() ? "" : ", ") + yamlText(text);
+    for (const std::string& text : list) append(items, quoted(text), ", ");
     return "[" + items + "]";
   }
 };
@@ -102,7 +113,7 @@ std::string yamlField(const Field& field, const std::string& indent, const char*
   const FieldValue value = field.get();
   const bool is_set = !std::holds_alternative<std::monostate>(value);
   return text + indent + (is_set ? mark : "# ") + field.name + ":" +
-         (is_set ? " " + std::visit(YamlValue(), value) : "") + "\n";
+         (is_set ? " " + std::visit(ValueText{yamlText}, value) : "") + "\n";
 }
 
 /// Its entries, or where there are none one that is made to be shown.
@@ -152,44 +163,14 @@ constexpr const char* kTableHead =
     "\n| name | unit | default | valid | meaning |\n"
     "|---|---|---|---|---|\n";
 
-using JsonWriter = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
-
-void writeText(JsonWriter& writer, const std::string& text) {
-  writer.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
-}
-
-struct ValueWriter {
-  JsonWriter& writer;
-  void operator()(std::monostate) const { writer.Null(); }
-  void operator()(bool is) const { writer.Bool(is); }
-  void operator()(std::int64_t number) const { writer.Int64(number); }
-  void operator()(double number) const {
-    // JSON has no infinity.
-    if (std::isfinite(number))
-      writer.Double(number);
-    else
-      writeText(writer, toText(number));
-  }
-  void operator()(const std::string& text) const { writeText(writer, text); }
-  void operator()(const std::vector<int>& list) const {
-    writer.StartArray();
-    for (const int number : list) writer.Int(number);
-    writer.EndArray();
-  }
-  void operator()(const std::vector<std::string>& list) const {
-    writer.StartArray();
-    for (const std::string& text : list) writeText(writer, text);
-    writer.EndArray();
-  }
-};
-
 void writeMembers(JsonWriter& writer, const FieldList& fields) {
   std::set<std::string> written;
   writer.StartObject();
   for (const Field& field : fields) {
     if (field.live_only || !written.insert(field.name).second) continue;
     writer.Key(field.name);
-    std::visit(ValueWriter{writer}, field.get());
+    const std::string value = std::visit(ValueText{jsonText}, field.get());
+    writer.RawValue(value.data(), value.size(), rapidjson::kNumberType);
   }
   for (const FieldDictionary& dictionary : fields.dictionaries()) {
     if (!written.insert(dictionary.name).second) continue;
@@ -246,10 +227,9 @@ std::string parametersMarkdown(const std::vector<Section>& sections) {
 std::string parametersJson(const std::string& tool, const std::vector<Section>& sections) {
   rapidjson::StringBuffer buffer;
   JsonWriter writer(buffer);
-  writer.SetFormatOptions(rapidjson::kFormatSingleLineArray);
   writer.StartObject();
   writer.Key("tool");
-  writeText(writer, tool);
+  writer.String(tool.c_str());
   for (const Section& section : sections) {
     if (section.fields.size() == 0 && section.fields.dictionaries().empty()) continue;
     writer.Key(section.name);
