@@ -82,9 +82,8 @@ void CommandLine::addOutputs(const std::string& heading, const FieldList& fields
 
 void CommandLine::addOption(const std::string& heading, const Field& field) {
   const std::string name = optionName(field.name);
-  const auto found = std::find_if(options_.begin(), options_.end(),
-                                  [&name](const Option& option) { return option.name == name; });
-  if (found == options_.end()) {
+  const Option* const found = find(name);
+  if (found == nullptr) {
     const bool is_taken = name == kHelp || name == kConfig ||
                           std::any_of(options_.begin(), options_.end(), [&](const Option& option) {
                             return (option.isFlag() && name == kNo + option.name) ||
@@ -99,8 +98,9 @@ void CommandLine::addOption(const std::string& heading, const Field& field) {
         fmt::format("--{} of '{}' and of '{}' differ in type, unit or range", name, found->heading, heading));
   for (const Field& known : found->fields)
     if (known.address == field.address) return;
-  found->fields.push_back(field);
-  found->headings.push_back(heading);
+  Option& option = options_[static_cast<std::size_t>(found - options_.data())];
+  option.fields.push_back(field);
+  option.headings.push_back(heading);
 }
 
 void CommandLine::require(const std::string& name, const std::string& alternative,
