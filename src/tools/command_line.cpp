@@ -125,7 +125,7 @@ const CommandLine::Option& CommandLine::known(const std::string& name) const {
   return *option;
 }
 
-std::string CommandLine::nearestOption(const std::string& name) const {
+std::string CommandLine::unknownOption(const std::string& name) const {
   std::vector<std::string> names = {kHelp};
   if (!sections_.empty()) names.emplace_back(kConfig);
   for (const Option& option : options_) {
@@ -133,7 +133,7 @@ std::string CommandLine::nearestOption(const std::string& name) const {
     if (option.isFlag()) names.push_back(kNo + option.name);
   }
   const std::string nearest = nearestName(name, names);
-  return nearest.empty() ? nearest : "--" + nearest;
+  return didYouMean("unknown option --" + name, nearest.empty() ? nearest : "--" + nearest);
 }
 
 std::pair<const CommandLine::Option*, std::optional<std::string>> CommandLine::optionIn(
@@ -150,7 +150,7 @@ std::pair<const CommandLine::Option*, std::optional<std::string>> CommandLine::o
   }
   if (name == kHelp) fail("--" + name + " takes no value");
   const bool is_config = name == kConfig && !sections_.empty();
-  if (option == nullptr && !is_config) fail(didYouMean("unknown option --" + name, nearestOption(name)));
+  if (option == nullptr && !is_config) fail(unknownOption(name));
   const bool is_flag = option != nullptr && option->isFlag();
   // It clears a text or a list.
   if (value == "" && (is_flag || is_config)) fail("--" + name + " needs a value after '='");

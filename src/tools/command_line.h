@@ -114,7 +114,7 @@ class CommandLine {
   void checkRules() const;
   /// Given, and no flag that is off or text that is empty.
   bool isOn(const std::string& name) const;
-  std::string nearestOption(const std::string& name) const;
+  std::string unknownOption(const std::string& name) const;
   int complain(const std::string& line) const;
 
   std::string tool_, purpose_;
