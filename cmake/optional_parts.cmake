@@ -35,6 +35,7 @@ function(radar_dot_part name option)
   endif()
 endfunction()
 
+find_package(Boost QUIET OPTIONAL_COMPONENTS program_options)
 find_package(RapidJSON QUIET)
 find_package(embree 3 QUIET)
 find_package(yaml-cpp QUIET)
@@ -44,6 +45,7 @@ radar_dot_part(simulation RADAR_DOT_WITH_SIMULATION
   RapidJSON RapidJSON_FOUND rapidjson-dev
   TBB.tbbmalloc_proxy TBB::tbbmalloc_proxy libtbb-dev)
 radar_dot_part(tools RADAR_DOT_WITH_TOOLS
+  Boost.Program_options Boost::program_options libboost-program-options-dev
   RapidJSON RapidJSON_FOUND rapidjson-dev
   yaml-cpp yaml-cpp_FOUND libyaml-cpp-dev)
 if(RADAR_DOT_HAS_TOOLS AND NOT RADAR_DOT_HAS_SIMULATION)

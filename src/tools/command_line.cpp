@@ -16,6 +16,8 @@
 namespace radar_dot::tools {
 namespace {
 
+namespace po = boost::program_options;
+
 constexpr const char* kHelp = "help";
 constexpr const char* kConfig = "config";
 constexpr const char* kNo = "no-";
@@ -33,6 +35,20 @@ bool contains(const std::vector<std::string>& names, const Field& field) {
 }
 
 bool isList(FieldType type) { return type == FieldType::kIntList || type == FieldType::kTextList; }
+
+/// What was typed, in the words of Boost.
+std::string usageOf(const po::invalid_command_line_syntax& error) {
+  const std::string name = error.get_option_name();
+  switch (error.kind()) {
+    case po::invalid_syntax::extra_parameter: return name + " takes no value";
+    case po::invalid_syntax::missing_parameter: return name + " needs a value";
+    default: return name + " needs a value after '='";
+  }
+}
+
+bool asksForHelp(const po::option& option) {
+  return option.string_key == kHelp || (option.string_key.empty() && option.value.front() == "-h");
+}
 
 bool sameMeaning(const Field& a, const Field& b) {
   return a.type == b.type && std::string(a.unit) == b.unit && a.valid() == b.valid();
@@ -136,51 +152,79 @@ std::string CommandLine::unknownOption(const std::string& name) const {
   return didYouMean("unknown option --" + name, nearest.empty() ? nearest : "--" + nearest);
 }
 
-std::pair<const CommandLine::Option*, std::optional<std::string>> CommandLine::optionIn(
-    const std::string& word) const {
-  const std::size_t equals = std::min(word.find('='), word.size());
-  const std::string name = word.substr(2, equals - 2);
-  std::optional<std::string> value;
-  if (equals < word.size()) value = word.substr(equals + 1);
-  const Option* option = find(name);
-  const Option* off = name.rfind(kNo, 0) == 0 ? find(name.substr(std::strlen(kNo))) : nullptr;
-  if (option == nullptr && off != nullptr && off->isFlag()) {
-    if (value) fail("--" + name + " takes no value");
-    return {off, "false"};
+std::vector<std::string> CommandLine::wordsOf(int argc, const char* const* argv) const {
+  std::vector<std::string> words;
+  for (int i = 1; i < argc; ++i) {
+    std::string word = argv[i];
+    const bool is_option = word.rfind("--", 0) == 0;
+    const std::size_t equals = word.find('=');
+    const Option* option = is_option ? find(word.substr(2, std::min(equals, word.size()) - 2)) : nullptr;
+    const Option* switched_off =
+        is_option && word.rfind(kNo, 2) == 2 ? find(word.substr(2 + std::strlen(kNo))) : nullptr;
+    if (option != nullptr && option->isFlag() && equals == std::string::npos) {
+      word += "=true";
+    } else if (option != nullptr && !option->isFlag() && equals == word.size() - 1) {
+      // Boost refuses an empty value after '=', which clears a text or a list.
+      words.push_back(word.substr(0, equals));
+      word.clear();
+    } else if (switched_off != nullptr && switched_off->isFlag()) {
+      word = "--" + switched_off->name + "=false";
+    }
+    words.push_back(std::move(word));
   }
-  if (name == kHelp) fail("--" + name + " takes no value");
-  const bool is_config = name == kConfig && !sections_.empty();
-  if (option == nullptr && !is_config) fail(unknownOption(name));
-  const bool is_flag = option != nullptr && option->isFlag();
-  // It clears a text or a list.
-  if (value == "" && (is_flag || is_config)) fail("--" + name + " needs a value after '='");
-  if (!value && is_flag) value = "true";
-  return {option, value};
+  return words;
 }
 
-std::vector<CommandLine::Setting> CommandLine::settingsIn(const std::vector<std::string>& words,
+std::vector<po::option> CommandLine::optionsIn(const std::vector<std::string>& words) const {
+  po::options_description description;
+  // They take ownership of the values.
+  const auto declare = [&description](const std::string& name, const po::value_semantic* value) {
+    description.add_options()(name.c_str(), value, "");
+  };
+  declare(kHelp, new po::untyped_value(true));
+  if (!sections_.empty()) declare(kConfig, po::value<std::string>());
+  for (const Option& option : options_) {
+    declare(option.name, po::value<std::string>());
+    if (option.isFlag()) declare(kNo + option.name, new po::untyped_value(true));
+  }
+  const auto style = po::command_line_style::allow_long | po::command_line_style::long_allow_adjacent |
+                     po::command_line_style::long_allow_next;
+  try {
+    return po::command_line_parser(words)
+        .options(description)
+        .style(style)
+        .allow_unregistered()
+        .run()
+        .options;
+  } catch (const po::invalid_command_line_syntax& error) {
+    fail(usageOf(error));
+  }
+}
+
+std::vector<CommandLine::Setting> CommandLine::settingsOf(const std::vector<po::option>& parsed,
                                                           std::vector<std::string>& files) const {
   std::vector<Setting> settings;
   const Option* previous = nullptr;
-  for (auto word = words.begin(); word != words.end(); ++word) {
-    if (word->rfind("--", 0) != 0 || *word == "--") {
+  for (const po::option& each : parsed) {
+    const std::string& name = each.string_key;
+    const std::string value = each.value.empty() ? "" : each.value.front();
+    if (name.empty()) {
       const bool is_list = previous != nullptr && isList(previous->field().type);
-      fail(fmt::format("'{}' belongs to no option{}", *word,
+      fail(fmt::format("'{}' belongs to no option{}", value,
                        is_list ? "; the items of a list are joined by commas" : ""));
     }
-    auto [option, value] = optionIn(*word);
-    if (!value) {
-      if (word + 1 == words.end() || word[1].rfind("--", 0) == 0) fail(*word + " needs a value");
-      value = *++word;
-    }
-    previous = option;
-    if (option == nullptr) {
-      files.push_back(*value);
+    if (each.unregistered) fail(unknownOption(name));
+    // The next option, whether Boost knows it or not.
+    if (each.original_tokens.size() > 1 && value.rfind("--", 0) == 0)
+      fail(fmt::format("--{} needs a value", name));
+    previous = find(name);
+    if (name == kConfig) {
+      files.push_back(value);
       continue;
     }
     for (const Setting& setting : settings)
-      if (setting.first == option) fail(fmt::format("--{} is given twice", option->name));
-    settings.emplace_back(option, *value);
+      if (setting.first == previous) fail(fmt::format("--{} is given twice", name));
+    settings.emplace_back(previous, value);
   }
   return settings;
 }
@@ -202,16 +246,15 @@ void CommandLine::checkRules() const {
 }
 
 std::optional<int> CommandLine::parse(int argc, const char* const* argv) {
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  // Who asks for help gets it, whatever else is wrong.
-  if (std::any_of(words.begin(), words.end(),
-                  [](const std::string& word) { return word == "--help" || word == "-h"; })) {
-    std::fputs(help().c_str(), stdout);
-    return 0;
-  }
   try {
+    const std::vector<po::option> parsed = optionsIn(wordsOf(argc, argv));
+    // Who asks for help gets it, whatever else is wrong.
+    if (std::any_of(parsed.begin(), parsed.end(), asksForHelp)) {
+      std::fputs(help().c_str(), stdout);
+      return 0;
+    }
     std::vector<std::string> files;
-    const std::vector<Setting> settings = settingsIn(words, files);
+    const std::vector<Setting> settings = settingsOf(parsed, files);
     for (const std::string& file : files)
       for (const void* member : readConfigFile(file, sections_, tool_, offered_.back().fields))
         given_.insert(member);

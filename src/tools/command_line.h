@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/program_options.hpp>
 #include <functional>
 #include <optional>
 #include <set>
@@ -105,11 +106,12 @@ class CommandLine {
   void addOption(const std::string& heading, const Field& field);
   const Option* find(const std::string& name) const;
   const Option& known(const std::string& name) const;
+  /// The words for Boost: flags with their values.
+  std::vector<std::string> wordsOf(int argc, const char* const* argv) const;
+  std::vector<boost::program_options::option> optionsIn(const std::vector<std::string>& words) const;
   /// @param files  those of --config
-  std::vector<Setting> settingsIn(const std::vector<std::string>& words,
+  std::vector<Setting> settingsOf(const std::vector<boost::program_options::option>& parsed,
                                   std::vector<std::string>& files) const;
-  /// The option of a word, and its value where the word says it; null for --config.
-  std::pair<const Option*, std::optional<std::string>> optionIn(const std::string& word) const;
   std::string helpOf(const Option& option) const;
   void checkRules() const;
   /// Given, and no flag that is off or text that is empty.
