@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <numeric>
 
 namespace radar_dot {
@@ -44,18 +45,10 @@ FieldValue converted(const Field& field, const FieldValue& value) {
 }
 
 bool hasType(const Field& field, const FieldValue& value) {
-  switch (field.type) {
-    case FieldType::kBool: return std::holds_alternative<bool>(value);
-    case FieldType::kInt: return std::holds_alternative<std::int64_t>(value);
-    case FieldType::kDouble:
-      return std::holds_alternative<double>(value) ||
-             (field.optional && std::holds_alternative<std::monostate>(value));
-    case FieldType::kText:
-    case FieldType::kEnum: return std::holds_alternative<std::string>(value);
-    case FieldType::kIntList: return std::holds_alternative<std::vector<int>>(value);
-    case FieldType::kTextList: return std::holds_alternative<std::vector<std::string>>(value);
-  }
-  return false;
+  // By FieldType: the alternatives of FieldValue.
+  constexpr std::size_t kAlternatives[] = {1, 2, 3, 4, 4, 5, 6};
+  return value.index() == kAlternatives[static_cast<std::size_t>(field.type)] ||
+         (field.optional && std::holds_alternative<std::monostate>(value));
 }
 
 std::string trimmed(const std::string& text) {
@@ -140,16 +133,9 @@ std::string toText(const FieldValue& value) {
 }
 
 const char* Field::typeText() const {
-  switch (type) {
-    case FieldType::kBool: return "true or false";
-    case FieldType::kInt: return "a whole number";
-    case FieldType::kDouble: return "a number";
-    case FieldType::kIntList: return "a list of whole numbers";
-    case FieldType::kTextList: return "a list of texts";
-    case FieldType::kText:
-    case FieldType::kEnum: break;
-  }
-  return "a text";
+  constexpr const char* kTexts[] = {"true or false", "a whole number",          "a number",       "a text",
+                                    "a text",        "a list of whole numbers", "a list of texts"};
+  return kTexts[static_cast<std::size_t>(type)];
 }
 
 std::string Field::valid() const {
@@ -194,20 +180,16 @@ void Field::set(const FieldValue& value) const {
 
 void Field::setFromText(const std::string& given) const {
   const std::string text_given = trimmed(given);
-  const auto refuseText = [&] { refuse(*this, "'" + given + "'", typeText()); };
   switch (type) {
     case FieldType::kBool:
       if (const auto is = truth(text_given)) return set(*is);
-      refuseText();
       break;
     case FieldType::kInt:
       if (const auto number = wholeNumber(text_given)) return set(*number);
-      refuseText();
       break;
     case FieldType::kDouble:
       if (text_given.empty() && optional) return put({});
       if (const auto number = realNumber(text_given)) return set(*number);
-      refuseText();
       break;
     case FieldType::kText: return set(given);
     case FieldType::kEnum: return set(text_given);
@@ -216,12 +198,20 @@ void Field::setFromText(const std::string& given) const {
       std::vector<int> list;
       for (const std::string& item : listItems(given)) {
         const std::optional<std::int64_t> number = wholeNumber(item);
-        if (!number || std::abs(*number) > std::numeric_limits<std::int32_t>::max()) refuseText();
+        if (!number || std::abs(*number) > std::numeric_limits<std::int32_t>::max())
+          refuse(*this, "'" + given + "'", typeText());
         list.push_back(static_cast<int>(*number));
       }
       return set(list);
     }
   }
+  refuse(*this, "'" + given + "'", typeText());
+}
+
+void FieldList::append(const FieldList& other, const std::function<bool(const Field&)>& filter) {
+  std::copy_if(other.begin(), other.end(), std::back_inserter(fields_),
+               [&filter](const Field& field) { return !filter || filter(field); });
+  dictionaries_.insert(dictionaries_.end(), other.dictionaries_.begin(), other.dictionaries_.end());
 }
 
 const Field* FieldList::find(std::string_view name) const {
@@ -265,18 +255,16 @@ void checkFields(const FieldList& fields) {
 }
 
 bool sameValues(const FieldList& a, const FieldList& b) {
-  const bool same =
-      a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(),
-                                         [](const Field& x, const Field& y) { return x.get() == y.get(); });
-  if (!same || a.dictionaries().size() != b.dictionaries().size()) return false;
-  for (std::size_t i = 0; i < a.dictionaries().size(); ++i) {
-    const FieldDictionary& x = a.dictionaries()[i];
-    const FieldDictionary& y = b.dictionaries()[i];
-    if (x.keys() != y.keys()) return false;
-    for (const std::string& key : x.keys())
-      if (!sameValues(x.entry(key), y.entry(key))) return false;
-  }
-  return true;
+  const auto same_entries = [](const FieldDictionary& x, const FieldDictionary& y) {
+    const std::vector<std::string> keys = x.keys();
+    return keys == y.keys() && std::all_of(keys.begin(), keys.end(), [&](const std::string& key) {
+             return sameValues(x.entry(key), y.entry(key));
+           });
+  };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Field& x, const Field& y) { return x.get() == y.get(); }) &&
+         std::equal(a.dictionaries().begin(), a.dictionaries().end(), b.dictionaries().begin(),
+                    b.dictionaries().end(), same_entries);
 }
 
 void require(bool condition, const FieldList& fields, const std::vector<const void*>& members,
@@ -292,10 +280,9 @@ void require(bool condition, const FieldList& fields, const std::vector<const vo
   throw InvalidParameter(names, values + "; " + text);
 }
 
-namespace {
-
-[[noreturn]] void refuseOrder(const FieldList& fields, const double& smaller, const double& larger,
-                              const char* relation) {
+static void requireOrder(bool condition, const FieldList& fields, const double& smaller, const double& larger,
+                         const char* relation) {
+  if (condition) return;
   const Field& low = fields.of(&smaller);
   const Field& high = fields.of(&larger);
   throw InvalidParameter(
@@ -303,14 +290,12 @@ namespace {
       fmt::format("{} ({}) must {} {} ({})", low.name, valueText(low), relation, high.name, valueText(high)));
 }
 
-}  // namespace
-
 void requireLess(const FieldList& fields, const double& smaller, const double& larger) {
-  if (!(smaller < larger)) refuseOrder(fields, smaller, larger, "be smaller than");
+  requireOrder(smaller < larger, fields, smaller, larger, "be smaller than");
 }
 
 void requireNotMore(const FieldList& fields, const double& smaller, const double& larger) {
-  if (!(smaller <= larger)) refuseOrder(fields, smaller, larger, "not be larger than");
+  requireOrder(smaller <= larger, fields, smaller, larger, "not be larger than");
 }
 
 }  // namespace radar_dot

@@ -8,9 +8,10 @@
 #include <cctype>
 #include <cstdio>
 #include <cstring>
+#include <regex>
 #include <stdexcept>
 
-#include "parameter_report.h"
+#include "parameter_document.h"
 
 namespace radar_dot::tools {
 namespace {
@@ -20,13 +21,9 @@ namespace po = boost::program_options;
 constexpr const char* kHelp = "help";
 constexpr const char* kConfig = "config";
 constexpr const char* kNo = "no-";
-constexpr const char* kOwnOptions = "options";
 
 /// How the tool was called is wrong.
-class UsageError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+[[noreturn]] void fail(const std::string& what) { throw InvalidParameter({}, what); }
 
 std::string optionName(std::string name) {
   std::replace(name.begin(), name.end(), '_', '-');
@@ -38,13 +35,6 @@ bool contains(const std::vector<std::string>& names, const Field& field) {
 }
 
 bool isList(FieldType type) { return type == FieldType::kIntList || type == FieldType::kTextList; }
-
-bool sameMeaning(const Field& a, const Field& b) {
-  const auto same_names = [](const auto& x, const auto& y) { return std::string(x.first) == y.first; };
-  return a.type == b.type && std::string(a.unit) == b.unit && a.range.lowest == b.range.lowest &&
-         a.range.highest == b.range.highest &&
-         std::equal(a.choices.begin(), a.choices.end(), b.choices.begin(), b.choices.end(), same_names);
-}
 
 /// What was typed, in the words of Boost.
 std::string usageOf(const po::invalid_command_line_syntax& error) {
@@ -60,17 +50,8 @@ bool asksForHelp(const po::option& option) {
   return option.string_key == kHelp || (option.string_key.empty() && option.value.front() == "-h");
 }
 
-/// Replaces a name where it stands as a word of its own, once.
-void replaceWord(std::string& text, const std::string& word, const std::string& by) {
-  const auto is_part = [&text](std::size_t at) {
-    return at < text.size() &&
-           (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '_' || text[at] == '-');
-  };
-  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
-    if ((at > 0 && is_part(at - 1)) || is_part(at + word.size())) continue;
-    text.replace(at, word.size(), by);
-    return;
-  }
+bool sameMeaning(const Field& a, const Field& b) {
+  return a.type == b.type && std::string(a.unit) == b.unit && a.valid() == b.valid();
 }
 
 }  // namespace
@@ -86,32 +67,39 @@ FieldFilter except(std::vector<std::string> names) {
 CommandLine::CommandLine(std::string tool, std::string purpose, std::vector<std::string> examples)
     : tool_(std::move(tool)), purpose_(std::move(purpose)), examples_(std::move(examples)) {}
 
-void CommandLine::setSections(std::vector<Section> sections) { sections_ = std::move(sections); }
+void CommandLine::setSections(std::vector<Section> sections) {
+  sections_ = std::move(sections);
+  for (const Section& section : sections_)
+    offered_.insert(offered_.end() - 1, {section.name, section.nodelet, {}});
+}
+
+FieldList CommandLine::offered(const std::string& heading, const FieldList& fields,
+                               const FieldFilter& filter) {
+  FieldList list;
+  list.append(fields,
+              [&filter](const Field& field) { return !field.live_only && (!filter || filter(field)); });
+  for (const Field& field : list) addOption(heading, field);
+  return list;
+}
 
 void CommandLine::add(const std::string& heading, const FieldList& fields, const FieldFilter& filter) {
-  addFields(heading, fields, filter, false);
+  const auto is_same = [&fields](const Section& section) {
+    return std::any_of(section.fields.begin(), section.fields.end(), [&fields](const Field& field) {
+      return fields.size() > 0 && field.address == fields.begin()->address;
+    });
+  };
+  const auto place = std::find_if(sections_.begin(), sections_.end(), is_same) - sections_.begin();
+  offered_[static_cast<std::size_t>(place)].fields.append(offered(heading, fields, filter));
 }
 
 void CommandLine::addOutputs(const std::string& heading, const FieldList& fields, const FieldFilter& filter) {
-  addFields(heading, fields, filter, true);
-}
-
-void CommandLine::addFields(const std::string& heading, const FieldList& fields, const FieldFilter& filter,
-                            bool output) {
-  Added added{fields, {}};
-  for (const Field& field : fields) {
-    if (field.live_only || (filter && !filter(field))) continue;
-    addOption(heading, field);
-    added.offered.push_back(field);
-  }
-  if (!output) added_.push_back(std::move(added));
+  offered(heading, fields, filter);
 }
 
 void CommandLine::addOption(const std::string& heading, const Field& field) {
   const std::string name = optionName(field.name);
-  const auto found = std::find_if(options_.begin(), options_.end(),
-                                  [&name](const Option& option) { return option.name == name; });
-  if (found == options_.end()) {
+  const Option* const found = find(name);
+  if (found == nullptr) {
     const bool is_taken = name == kHelp || name == kConfig ||
                           std::any_of(options_.begin(), options_.end(), [&](const Option& option) {
                             return (option.isFlag() && name == kNo + option.name) ||
@@ -126,8 +114,9 @@ void CommandLine::addOption(const std::string& heading, const Field& field) {
         fmt::format("--{} of '{}' and of '{}' differ in type, unit or range", name, found->heading, heading));
   for (const Field& known : found->fields)
     if (known.address == field.address) return;
-  found->fields.push_back(field);
-  found->headings.push_back(heading);
+  Option& option = options_[static_cast<std::size_t>(found - options_.data())];
+  option.fields.push_back(field);
+  option.headings.push_back(heading);
 }
 
 void CommandLine::require(const std::string& name, const std::string& alternative,
@@ -152,7 +141,7 @@ const CommandLine::Option& CommandLine::known(const std::string& name) const {
   return *option;
 }
 
-std::string CommandLine::nearestOption(const std::string& name) const {
+std::string CommandLine::unknownOption(const std::string& name) const {
   std::vector<std::string> names = {kHelp};
   if (!sections_.empty()) names.emplace_back(kConfig);
   for (const Option& option : options_) {
@@ -160,7 +149,7 @@ std::string CommandLine::nearestOption(const std::string& name) const {
     if (option.isFlag()) names.push_back(kNo + option.name);
   }
   const std::string nearest = nearestName(name, names);
-  return nearest.empty() ? nearest : "--" + nearest;
+  return didYouMean("unknown option --" + name, nearest.empty() ? nearest : "--" + nearest);
 }
 
 std::vector<std::string> CommandLine::wordsOf(int argc, const char* const* argv) const {
@@ -208,53 +197,36 @@ std::vector<po::option> CommandLine::optionsIn(const std::vector<std::string>& w
         .run()
         .options;
   } catch (const po::invalid_command_line_syntax& error) {
-    throw UsageError(usageOf(error));
+    fail(usageOf(error));
   }
 }
 
-CommandLine::Settings CommandLine::settingsOf(const std::vector<po::option>& parsed) const {
-  Settings settings;
+std::vector<CommandLine::Setting> CommandLine::settingsOf(const std::vector<po::option>& parsed,
+                                                          std::vector<std::string>& files) const {
+  std::vector<Setting> settings;
   const Option* previous = nullptr;
   for (const po::option& each : parsed) {
     const std::string& name = each.string_key;
     const std::string value = each.value.empty() ? "" : each.value.front();
     if (name.empty()) {
       const bool is_list = previous != nullptr && isList(previous->field().type);
-      throw UsageError(fmt::format("'{}' belongs to no option{}", value,
-                                   is_list ? "; the items of a list are joined by commas" : ""));
+      fail(fmt::format("'{}' belongs to no option{}", value,
+                       is_list ? "; the items of a list are joined by commas" : ""));
     }
-    if (each.unregistered) throw UsageError(didYouMean("unknown option --" + name, nearestOption(name)));
+    if (each.unregistered) fail(unknownOption(name));
     // The next option, whether Boost knows it or not.
     if (each.original_tokens.size() > 1 && value.rfind("--", 0) == 0)
-      throw UsageError(fmt::format("--{} needs a value", name));
+      fail(fmt::format("--{} needs a value", name));
     previous = find(name);
     if (name == kConfig) {
-      settings.files.push_back(value);
+      files.push_back(value);
       continue;
     }
-    for (const Setting& setting : settings.values)
-      if (setting.option == previous) throw UsageError(fmt::format("--{} is given twice", name));
-    settings.values.push_back({previous, value});
+    for (const Setting& setting : settings)
+      if (setting.first == previous) fail(fmt::format("--{} is given twice", name));
+    settings.emplace_back(previous, value);
   }
   return settings;
-}
-
-void CommandLine::readFiles(const std::vector<std::string>& files) {
-  ReportOwner owner;
-  owner.tool = tool_;
-  for (const Added& added : added_)
-    if (sectionOf(added.list) == kOwnOptions) owner.options.push_back(added.list);
-  for (const std::string& file : files) {
-    const std::vector<const void*> members = readConfigFile(file, sections_, owner);
-    given_.insert(members.begin(), members.end());
-  }
-}
-
-void CommandLine::set(const Setting& setting) {
-  for (const Field& field : setting.option->fields) {
-    field.setFromText(setting.text);
-    given_.insert(field.address);
-  }
 }
 
 bool CommandLine::isOn(const std::string& name) const {
@@ -265,12 +237,11 @@ bool CommandLine::isOn(const std::string& name) const {
 
 void CommandLine::checkRules() const {
   for (const auto& [one, other] : exclusions_)
-    if (isOn(one) && isOn(other)) throw UsageError(fmt::format("--{} excludes --{}", one, other));
+    if (isOn(one) && isOn(other)) fail(fmt::format("--{} excludes --{}", one, other));
   for (const Requirement& each : requirements_) {
     if (isOn(each.name) || (each.condition && !each.condition())) continue;
-    throw UsageError(fmt::format("--{}{}{} must be given: {}", each.name,
-                                 each.alternative.empty() ? "" : " or --", each.alternative,
-                                 known(each.name).field().text));
+    fail(fmt::format("--{}{}{} must be given: {}", each.name, each.alternative.empty() ? "" : " or --",
+                     each.alternative, known(each.name).field().text));
   }
 }
 
@@ -282,14 +253,20 @@ std::optional<int> CommandLine::parse(int argc, const char* const* argv) {
       std::fputs(help().c_str(), stdout);
       return 0;
     }
-    const Settings settings = settingsOf(parsed);
-    readFiles(settings.files);
-    for (const Setting& setting : settings.values) set(setting);
+    std::vector<std::string> files;
+    const std::vector<Setting> settings = settingsOf(parsed, files);
+    for (const std::string& file : files)
+      for (const void* member : readConfigFile(file, sections_, tool_, offered_.back().fields))
+        given_.insert(member);
+    for (const auto& [option, text] : settings) {
+      for (const Field& field : option->fields) {
+        field.setFromText(text);
+        given_.insert(field.address);
+      }
+    }
     checkRules();
   } catch (const InvalidParameter& error) {
     return refuse(error);
-  } catch (const UsageError& error) {
-    return refuse(std::string(error.what()));
   } catch (const ConfigFileError& error) {
     return complain(error.what());
   }
@@ -315,36 +292,14 @@ int CommandLine::refuse(const std::string& what) const { return complain(what + 
 
 int CommandLine::refuse(const InvalidParameter& error) const {
   std::string text = error.what();
-  for (const std::string& name : error.names())
-    if (const Option* option = find(optionName(name))) replaceWord(text, name, "--" + option->name);
+  for (const std::string& name : error.names()) {
+    if (find(optionName(name)) == nullptr) continue;
+    const std::regex word("(^|[^\\w-])" + name + "(?![\\w-])");
+    text = std::regex_replace(text, word, "$1--" + optionName(name), std::regex_constants::format_first_only);
+  }
   return refuse(text);
 }
 
-std::string CommandLine::sectionOf(const FieldList& fields) const {
-  for (const Section& section : sections_) {
-    for (const Field& known : section.fields)
-      if (fields.size() > 0 && known.address == fields.begin()->address) return section.name;
-  }
-  return kOwnOptions;
-}
-
-std::string CommandLine::parametersJson() const {
-  std::vector<std::string> names;
-  for (const Section& section : sections_) names.emplace_back(section.name);
-  names.emplace_back(kOwnOptions);
-  std::vector<RecordedSection> recorded;
-  for (const std::string& name : names) {
-    RecordedSection section;
-    section.name = name;
-    for (const Added& added : added_) {
-      if (sectionOf(added.list) != name) continue;
-      section.fields.insert(section.fields.end(), added.offered.begin(), added.offered.end());
-      const std::vector<FieldDictionary>& dictionaries = added.list.dictionaries();
-      section.dictionaries.insert(section.dictionaries.end(), dictionaries.begin(), dictionaries.end());
-    }
-    if (!section.fields.empty() || !section.dictionaries.empty()) recorded.push_back(std::move(section));
-  }
-  return radar_dot::tools::parametersJson(tool_, recorded);
-}
+std::string CommandLine::parametersJson() const { return tools::parametersJson(tool_, offered_); }
 
 }  // namespace radar_dot::tools

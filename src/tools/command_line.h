@@ -42,7 +42,8 @@ class CommandLine {
   /// @param examples  command lines, at the end of the help
   CommandLine(std::string tool, std::string purpose, std::vector<std::string> examples);
 
-  /// All sections of a configuration file, in use here or not. With them the tool has --config.
+  /// All sections of a configuration file, in use here or not, before what is added of them. With them the
+  /// tool has --config.
   void setSections(std::vector<Section> sections);
 
   /// Options under a heading, and below it the groups of the fields, which are headings where it is empty.
@@ -93,49 +94,37 @@ class CommandLine {
     const Field& field() const { return fields.front(); }
     bool isFlag() const { return field().type == FieldType::kBool; }
   };
-  /// Of one call of add().
-  struct Added {
-    FieldList list;
-    std::vector<Field> offered;
-  };
   struct Requirement {
     std::string name, alternative;
     std::function<bool()> condition;
   };
 
-  /// One option as it was written.
-  struct Setting {
-    const Option* option;
-    std::string text;
-  };
-  struct Settings {
-    std::vector<std::string> files;
-    std::vector<Setting> values;
-  };
+  /// An option and the text of its value.
+  using Setting = std::pair<const Option*, std::string>;
 
-  void addFields(const std::string& heading, const FieldList& fields, const FieldFilter& filter, bool output);
+  FieldList offered(const std::string& heading, const FieldList& fields, const FieldFilter& filter);
   void addOption(const std::string& heading, const Field& field);
   const Option* find(const std::string& name) const;
   const Option& known(const std::string& name) const;
   /// The words for Boost: flags with their values.
   std::vector<std::string> wordsOf(int argc, const char* const* argv) const;
   std::vector<boost::program_options::option> optionsIn(const std::vector<std::string>& words) const;
-  Settings settingsOf(const std::vector<boost::program_options::option>& parsed) const;
+  /// @param files  those of --config
+  std::vector<Setting> settingsOf(const std::vector<boost::program_options::option>& parsed,
+                                  std::vector<std::string>& files) const;
   std::string helpOf(const Option& option) const;
-  void readFiles(const std::vector<std::string>& files);
-  void set(const Setting& setting);
   void checkRules() const;
   /// Given, and no flag that is off or text that is empty.
   bool isOn(const std::string& name) const;
-  std::string nearestOption(const std::string& name) const;
-  std::string sectionOf(const FieldList& fields) const;
+  std::string unknownOption(const std::string& name) const;
   int complain(const std::string& line) const;
 
   std::string tool_, purpose_;
   std::vector<std::string> examples_;
   std::vector<Section> sections_;
   std::vector<Option> options_;
-  std::vector<Added> added_;  ///< without outputs
+  /// What is offered of each section, and at last of none, without outputs.
+  std::vector<Section> offered_ = {{"options", "", {}}};
   std::vector<Requirement> requirements_;
   std::vector<std::pair<std::string, std::string>> exclusions_;
   std::set<const void*> given_;

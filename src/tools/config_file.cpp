@@ -5,10 +5,8 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <fstream>
-#include <functional>
 #include <ios>
 #include <iterator>
 #include <set>
@@ -34,22 +32,54 @@ std::string contentOf(const std::string& path) {
   }
 }
 
-/// The lists that hold the parameters under one key.
-using Lists = std::vector<const FieldList*>;
+[[noreturn]] void refuse(const Field& field, const std::string& what) {
+  throw InvalidParameter({field.name}, fmt::format("{} {}", field.name, what));
+}
 
-std::string nearestIn(const Lists& lists, const std::string& unknown) {
-  std::vector<std::string> names;
-  for (const FieldList* list : lists) {
-    for (const Field& field : *list) names.emplace_back(field.name);
-    for (const FieldDictionary& dictionary : list->dictionaries()) names.emplace_back(dictionary.name);
+/// roslaunch converts what is marked as an angle in degrees, for example; nothing else may be read here.
+void refuseTag(const Field& field, const YAML::Node& value) {
+  const std::string& tag = value.Tag();
+  if (!tag.empty() && tag != "?" && tag != "!" && tag.rfind("tag:yaml.org,2002:", 0) != 0)
+    refuse(field, fmt::format("has the tag {}; tags are not read here, write the plain value", tag));
+}
+
+void setScalar(const Field& field, const std::string& text) {
+  const bool is_number = field.type == FieldType::kDouble || field.type == FieldType::kInt;
+  if (is_number && (text.rfind("deg(", 0) == 0 || text.rfind("rad(", 0) == 0)) {
+    refuse(field, fmt::format("is '{}'; deg() and rad() are not read here, write the number{}{}", text,
+                              *field.unit == '\0' ? "" : " in ", field.unit));
   }
-  return nearestName(unknown, names);
+  field.setFromText(text);
+}
+
+void setSequence(const Field& field, const YAML::Node& list) {
+  std::vector<std::string> items;
+  for (const YAML::Node& item : list) {
+    refuseTag(field, item);
+    if (!item.IsScalar()) refuse(field, "holds more than single values");
+    items.push_back(item.Scalar());
+  }
+  // Texts may hold commas, so they are not joined.
+  if (field.type == FieldType::kIntList)
+    field.setFromText(fmt::format("[{}]", fmt::join(items, ", ")));
+  else
+    field.set(items);
+}
+
+/// @throws InvalidParameter
+void setValue(const Field& field, const YAML::Node& value) {
+  refuseTag(field, value);
+  if (value.IsScalar()) return setScalar(field, value.Scalar());
+  if (value.IsSequence()) return setSequence(field, value);
+  if (value.IsMap()) refuse(field, "is a dictionary, must be a value");
+  if (!std::holds_alternative<std::monostate>(field.get())) refuse(field, "has no value");
 }
 
 class Reader {
  public:
-  Reader(const std::string& path, const std::vector<Section>& sections, const ReportOwner& owner)
-      : path_(path), sections_(sections), owner_(owner) {}
+  Reader(const std::string& path, const std::vector<Section>& sections, const std::string& tool,
+         const FieldList& options)
+      : path_(path), sections_(sections), tool_(tool), options_(options) {}
 
   std::vector<const void*> read() {
     const std::string text = contentOf(path_);
@@ -82,147 +112,71 @@ class Reader {
   }
 
   void readDocument(const YAML::Node& root) {
-    if (root.IsMap() && root[kReportKey]) {
-      readReport(root[kReportKey]);
-      return;
-    }
-    forEachKey(root, "the file",
-               [this](const std::string& key, const YAML::Node& key_node, const YAML::Node& value) {
-                 readSection(key, key_node, value);
-               });
-  }
-
-  void readReport(const YAML::Node& parameters) {
+    const bool is_report = root.IsMap() && root[kReportKey];
+    const YAML::Node& parameters = is_report ? root[kReportKey] : root;
     // Before names that another tool does not know are found to be wrong.
-    if (parameters.IsMap() && parameters[kToolKey]) {
+    if (is_report && parameters.IsMap() && parameters[kToolKey]) {
       const YAML::Node tool = parameters[kToolKey];
-      if (!tool.IsScalar() || tool.Scalar() != owner_.tool) {
-        fail(tool, fmt::format("the report is of {}, not of {}",
-                               tool.IsScalar() ? tool.Scalar() : "no tool known", owner_.tool));
-      }
+      const std::string name = tool.IsScalar() ? tool.Scalar() : "no tool known";
+      if (!tool.IsScalar() || name != tool_)
+        fail(tool, fmt::format("the report is of {}, not of {}", name, tool_));
     }
-    forEachKey(parameters, kReportKey,
-               [this](const std::string& key, const YAML::Node& key_node, const YAML::Node& value) {
-                 if (key == kToolKey) return;
-                 if (key != kOptionsKey) return readSection(key, key_node, value);
-                 Lists lists;
-                 for (const FieldList& options : owner_.options) lists.push_back(&options);
-                 readValues(key, lists, value);
+    forEachKey(parameters, is_report ? kReportKey : "the file",
+               [&](const std::string& key, const YAML::Node& key_node, const YAML::Node& value) {
+                 if (is_report && key == kToolKey) return;
+                 readValues(key, is_report && key == kOptionsKey ? options_ : sectionAt(key, key_node),
+                            value);
                });
   }
 
-  void readSection(const std::string& key, const YAML::Node& key_node, const YAML::Node& value) {
-    Lists lists;
+  const FieldList& sectionAt(const std::string& key, const YAML::Node& key_node) const {
     std::vector<std::string> names;
     for (const Section& section : sections_) {
+      if (key == section.name) return section.fields;
       names.emplace_back(section.name);
-      if (key == section.name) lists.push_back(&section.fields);
     }
-    if (lists.empty())
-      fail(key_node, didYouMean(fmt::format("unknown section {}", key), nearestName(key, names)));
-    readValues(key, lists, value);
+    fail(key_node, didYouMean("unknown section " + key, nearestName(key, names)));
   }
 
-  void readValues(const std::string& prefix, const Lists& lists, const YAML::Node& values) {
-    forEachKey(
-        values, prefix, [&](const std::string& key, const YAML::Node& key_node, const YAML::Node& value) {
-          if (setField(prefix, lists, key, key_node, value) || setDictionary(prefix, lists, key, value))
-            return;
-          fail(key_node,
-               didYouMean(fmt::format("unknown parameter {}/{}", prefix, key), nearestIn(lists, key)));
-        });
+  void readValues(const std::string& prefix, const FieldList& fields, const YAML::Node& values) {
+    forEachKey(values, prefix,
+               [&](const std::string& key, const YAML::Node& key_node, const YAML::Node& value) {
+                 const std::string path = prefix + "/" + key;
+                 bool is_known = setFields(prefix, fields, key, key_node, value);
+                 for (const FieldDictionary& dictionary : fields.dictionaries()) {
+                   if (is_known || key != dictionary.name) continue;
+                   is_known = true;
+                   forEachKey(value, path,
+                              [&](const std::string& name, const YAML::Node&, const YAML::Node& parameters) {
+                                readValues(path + "/" + name, dictionary.entry(name), parameters);
+                              });
+                 }
+                 if (!is_known)
+                   fail(key_node, didYouMean("unknown parameter " + path, fields.nearestName(key)));
+               });
   }
 
-  bool setField(const std::string& prefix, const Lists& lists, const std::string& key,
-                const YAML::Node& key_node, const YAML::Node& value) {
+  /// Several fields of one name are set together. @return is there one?
+  bool setFields(const std::string& prefix, const FieldList& fields, const std::string& key,
+                 const YAML::Node& key_node, const YAML::Node& value) {
     bool is_known = false;
-    for (const FieldList* list : lists) {
-      const Field* field = list->find(key);
-      if (field == nullptr) continue;
+    for (const Field& field : fields) {
+      if (key != field.name) continue;
       is_known = true;
       try {
-        setValue(*field, value);
+        setValue(field, value);
       } catch (const InvalidParameter& error) {
         fail(key_node, prefix + "/" + error.what());
       }
-      set_.push_back(field->address);
+      set_.push_back(field.address);
     }
     return is_known;
   }
 
-  bool setDictionary(const std::string& prefix, const Lists& lists, const std::string& key,
-                     const YAML::Node& value) {
-    for (const FieldList* list : lists) {
-      for (const FieldDictionary& dictionary : list->dictionaries()) {
-        if (key != dictionary.name) continue;
-        const std::string path = prefix + "/" + key;
-        forEachKey(value, path,
-                   [&](const std::string& name, const YAML::Node&, const YAML::Node& parameters) {
-                     const FieldList entry = dictionary.entry(name);
-                     readValues(path + "/" + name, {&entry}, parameters);
-                   });
-        return true;
-      }
-    }
-    return false;
-  }
-
-  /// @throws InvalidParameter
-  static void setValue(const Field& field, const YAML::Node& value) {
-    const auto refuse = [&field](const std::string& what) {
-      throw InvalidParameter({field.name}, std::string(field.name) + " " + what);
-    };
-    refuseTag(field, value);
-    switch (value.Type()) {
-      case YAML::NodeType::Scalar: return setScalar(field, value.Scalar());
-      case YAML::NodeType::Sequence: return setSequence(field, value);
-      case YAML::NodeType::Map: return refuse("is a dictionary, must be a value");
-      case YAML::NodeType::Undefined:
-      case YAML::NodeType::Null: break;
-    }
-    if (!std::holds_alternative<std::monostate>(field.get())) refuse("has no value");
-  }
-
-  static void setScalar(const Field& field, const std::string& text) {
-    const bool is_number = field.type == FieldType::kDouble || field.type == FieldType::kInt;
-    if (is_number && (text.rfind("deg(", 0) == 0 || text.rfind("rad(", 0) == 0)) {
-      throw InvalidParameter({field.name},
-                             fmt::format("{} is '{}'; deg() and rad() are not read here, write "
-                                         "the number{}{}",
-                                         field.name, text, *field.unit == '\0' ? "" : " in ", field.unit));
-    }
-    field.setFromText(text);
-  }
-
-  static void setSequence(const Field& field, const YAML::Node& list) {
-    std::vector<std::string> items;
-    for (const YAML::Node& item : list) {
-      refuseTag(field, item);
-      if (!item.IsScalar())
-        throw InvalidParameter({field.name}, fmt::format("{} holds more than single values", field.name));
-      items.push_back(item.Scalar());
-    }
-    // Texts may hold commas, so they are not joined.
-    if (field.type == FieldType::kIntList)
-      field.setFromText(fmt::format("[{}]", fmt::join(items, ", ")));
-    else
-      field.set(items);
-  }
-
-  /// roslaunch converts what is marked as an angle in degrees, for example; nothing else may be read here.
-  static void refuseTag(const Field& field, const YAML::Node& value) {
-    const std::string& tag = value.Tag();
-    const bool is_plain = tag.empty() || tag == "?" || tag == "!" || tag.rfind("tag:yaml.org,2002:", 0) == 0;
-    if (!is_plain) {
-      throw InvalidParameter({field.name}, fmt::format("{} has the tag {}; tags are not read here, write the "
-                                                       "plain value",
-                                                       field.name, tag));
-    }
-  }
-
   const std::string& path_;
   const std::vector<Section>& sections_;
-  const ReportOwner& owner_;
+  const std::string& tool_;
+  const FieldList& options_;
   std::vector<const void*> set_;
 };
 
@@ -233,8 +187,8 @@ std::string didYouMean(const std::string& refusal, const std::string& nearest) {
 }
 
 std::vector<const void*> readConfigFile(const std::string& path, const std::vector<Section>& sections,
-                                        const ReportOwner& owner) {
-  return Reader(path, sections, owner).read();
+                                        const std::string& tool, const FieldList& options) {
+  return Reader(path, sections, tool, options).read();
 }
 
 }  // namespace radar_dot::tools

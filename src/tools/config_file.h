@@ -17,22 +17,16 @@ class ConfigFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A tool, for reading the reports it wrote.
-struct ReportOwner {
-  std::string tool;                ///< its name
-  std::vector<FieldList> options;  ///< what it has besides the sections
-};
-
 /// Sets what a YAML file says, the same that roslaunch loads into the namespaces of the nodelets: a key for
 /// each section, below it the parameters. All of `sections` are read and checked, also where the caller
 /// uses some. Entries of dictionaries are added to those that exist.
 ///
-/// A report written with withParameters() is read too: a file with a key "parameters". That alone counts
-/// then; it holds the sections and a section "options".
+/// A report written with withParameters() by the tool of this name is read too: a file with a key
+/// "parameters". That alone counts then; it holds the sections and a section "options".
 /// @return the members that were set
 /// @throws ConfigFileError; some values may be set by then
 std::vector<const void*> readConfigFile(const std::string& path, const std::vector<Section>& sections,
-                                        const ReportOwner& owner = {});
+                                        const std::string& tool = "", const FieldList& options = {});
 
 /// "unknown X", and the known name most like it where there is one: "...; did you mean Y?"
 std::string didYouMean(const std::string& refusal, const std::string& nearest);

@@ -15,4 +15,12 @@ std::string parametersYaml(const std::vector<Section>& sections);
 /// All parameters as tables, a chapter for each section.
 std::string parametersMarkdown(const std::vector<Section>& sections);
 
+/// {"tool": ..., "<section>": {name: value, ...}, ...}, without empty sections. Numbers read back exactly;
+/// infinity is the text "inf", an optional number that is not set null. What repeats a name is left out, as
+/// is what has an effect on a live system alone.
+std::string parametersJson(const std::string& tool, const std::vector<Section>& sections);
+
+/// A report of an evaluator, a JSON object, with a member "parameters" in front: what parametersJson() gave.
+std::string withParameters(const std::string& report, const std::string& parameters);
+
 }  // namespace radar_dot::tools

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "parameter_report.h"
+#include "parameter_document.h"
 #include "radar_dot/common/fields.h"
 #include "radar_dot/evaluation/report.h"
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace radar_dot {
 
@@ -69,30 +70,26 @@ std::string refusalOf(const std::function<void()>& action) {
 TEST(Fields, SetEachTypeFromText) {
   Street street;
   const FieldList fields = fieldsOf(street);
-  const auto set = [&fields](const char* name, const char* text) { fields.find(name)->setFromText(text); };
-  set("lit", "no");
-  set("lanes", "4");
-  set("houses", " 12 ");
-  set("near", "2.5");
-  set("far", "3");
-  set("colour", "green");
-  set("name", "Oak");
-  set("numbers", "[0, 4]");
-  set("trees", "lime,ash");
-  set("open_end", "-0.0");
-  EXPECT_FALSE(street.lit);
-  EXPECT_EQ(street.lanes, 4);
+  const std::tuple<const char*, const char*, FieldValue> settings[] = {
+      {"lit", "no", false},
+      {"lanes", "4", std::int64_t{4}},
+      {"houses", " 12 ", std::int64_t{12}},
+      {"near", "2.5", 2.5},
+      {"far", "3", 3.0},
+      {"colour", "green", std::string("green")},
+      {"name", "Oak", std::string("Oak")},
+      {"numbers", "[0, 4]", std::vector<int>{0, 4}},
+      {"numbers", "", std::vector<int>{}},
+      {"trees", "lime,ash", std::vector<std::string>{"lime", "ash"}},
+      {"open_end", "-0.0", -0.0},
+      {"open_end", ".inf", std::numeric_limits<double>::infinity()}};
+  for (const auto& [name, text, value] : settings) {
+    fields.find(name)->setFromText(text);
+    EXPECT_EQ(fields.find(name)->get(), value) << name << " " << text;
+  }
   EXPECT_EQ(street.houses, 12U);
-  EXPECT_EQ(street.near, 2.5);
-  EXPECT_EQ(street.far, 3.0);
   EXPECT_EQ(street.colour, Colour::kGreen);
-  EXPECT_EQ(street.name, "Oak");
-  EXPECT_EQ(street.numbers, (std::vector<int>{0, 4}));
-  EXPECT_EQ(street.trees, (std::vector<std::string>{"lime", "ash"}));
-  set("open_end", ".inf");
-  EXPECT_EQ(street.open_end, std::numeric_limits<double>::infinity());
-  set("numbers", "");
-  EXPECT_TRUE(street.numbers.empty());
+  EXPECT_FALSE(street.lit);
   fields.find("near")->set(std::int64_t{3});
   fields.find("lanes")->set(3.0);
   EXPECT_EQ(street.near, 3.0);
@@ -112,18 +109,18 @@ TEST(Fields, TextReadsBackExactly) {
 TEST(Fields, RefusalsNameFieldValueAndWhatIsValid) {
   Street street;
   const FieldList fields = fieldsOf(street);
-  const auto refusal = [&fields](const char* name, const char* text) {
-    return refusalOf([&] { fields.find(name)->setFromText(text); });
-  };
-  EXPECT_EQ(refusal("near", "-1"), "near is -1, must be between 0 and 1000 m");
-  EXPECT_EQ(refusal("near", "nan"), "near is nan, must be between 0 and 1000 m");
-  EXPECT_EQ(refusal("near", "far"), "near is 'far', must be a number");
-  EXPECT_EQ(refusal("lanes", "2.5"), "lanes is '2.5', must be a whole number");
-  EXPECT_EQ(refusal("lanes", "9"), "lanes is 9, must be between 1 and 8");
-  EXPECT_EQ(refusal("houses", "-1"), "houses is -1, must be 0 or more");
-  EXPECT_EQ(refusal("lit", "maybe"), "lit is 'maybe', must be true or false");
-  EXPECT_EQ(refusal("colour", "blue"), "colour is 'blue', must be one of red, green");
-  EXPECT_EQ(refusal("numbers", "1, 256"), "numbers is 1, 256, must be between 0 and 255");
+  const std::tuple<const char*, const char*, const char*> refusals[] = {
+      {"near", "-1", "near is -1, must be between 0 and 1000 m"},
+      {"near", "nan", "near is nan, must be between 0 and 1000 m"},
+      {"near", "far", "near is 'far', must be a number"},
+      {"lanes", "2.5", "lanes is '2.5', must be a whole number"},
+      {"lanes", "9", "lanes is 9, must be between 1 and 8"},
+      {"houses", "-1", "houses is -1, must be 0 or more"},
+      {"lit", "maybe", "lit is 'maybe', must be true or false"},
+      {"colour", "blue", "colour is 'blue', must be one of red, green"},
+      {"numbers", "1, 256", "numbers is 1, 256, must be between 0 and 255"}};
+  for (const auto& [name, text, refusal] : refusals)
+    EXPECT_EQ(refusalOf([&, name = name, text = text] { fields.find(name)->setFromText(text); }), refusal);
   EXPECT_TRUE(sameFields(Street(), street)) << "what is refused changes nothing";
   EXPECT_EQ(refusalOf([&] { fields.find("near")->set(true); }), "near is 'true', must be a number");
   street.far = std::nan("");
@@ -154,11 +151,12 @@ TEST(Fields, GroupsFlagsAndNearestNames) {
   EXPECT_FALSE(fields.find("near")->at_start);
   EXPECT_TRUE(fields.find("name")->at_start);
   EXPECT_TRUE(fields.find("name")->live_only);
-  EXPECT_EQ(fields.nearestName("colur"), "colour");
-  EXPECT_EQ(fields.nearestName("lamp"), "lamps");
-  EXPECT_EQ(fields.nearestName("threshold"), "");
-  EXPECT_EQ(fields.nearestName("num"), "numbers");
-  EXPECT_EQ(fields.nearestName("bers"), "numbers");
+  for (const auto& [unknown, nearest] : {std::pair("colur", "colour"),
+                                         {"lamp", "lamps"},
+                                         {"threshold", ""},
+                                         {"num", "numbers"},
+                                         {"bers", "numbers"}})
+    EXPECT_EQ(fields.nearestName(unknown), nearest);
   EXPECT_EQ(fields.find("nowhere"), nullptr);
 }
 

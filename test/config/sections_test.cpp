@@ -4,11 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
+#include <map>
 #include <set>
 
-#include "fixtures/other_value.h"
+#include "fixtures/field_values.h"
 
 namespace radar_dot {
 namespace {
@@ -23,95 +22,73 @@ std::vector<std::string> refusedNames(const Config& config) {
   return {};
 }
 
-TEST(Sections, DefaultsAreValid) {
-  const Configuration configuration;
-  EXPECT_NO_THROW(validate(configuration));
+/// All fields, as section/name.
+std::vector<std::pair<std::string, Field>> allFields(Configuration& configuration) {
+  std::vector<std::pair<std::string, Field>> all;
+  for (const Section& section : sectionsOf(configuration))
+    for (const Field& field : section.fields)
+      all.emplace_back(std::string(section.name) + "/" + field.name, field);
+  return all;
 }
 
-TEST(Sections, NamesAreUniqueInASection) {
-  Configuration configuration;
-  for (const Section& section : sectionsOf(configuration)) {
-    std::set<std::string> names;
-    for (const Field& field : section.fields)
-      EXPECT_TRUE(names.insert(field.name).second) << section.name << "/" << field.name << " stands twice";
-  }
-}
+TEST(Sections, DefaultsAreValid) { EXPECT_NO_THROW(validate(Configuration())); }
 
 // What an option sets in two sections must mean the same in both.
-TEST(Sections, ANameHasOneMeaning) {
+TEST(Sections, ANameIsThereOnceInASectionAndHasOneMeaningInAll) {
   Configuration configuration;
+  std::set<std::string> names;
   std::map<std::string, Field> known;
-  for (const Section& section : sectionsOf(configuration)) {
-    for (const Field& field : section.fields) {
-      const Field& first = known.emplace(field.name, field).first->second;
-      const std::string where = std::string(section.name) + "/" + field.name;
-      EXPECT_STREQ(field.text, first.text) << where;
-      EXPECT_STREQ(field.unit, first.unit) << where;
-      EXPECT_EQ(field.valid(), first.valid()) << where;
-      EXPECT_EQ(field.type, first.type) << where;
-    }
+  for (const auto& [where, field] : allFields(configuration)) {
+    EXPECT_TRUE(names.insert(where).second) << where << " stands twice";
+    const Field& first = known.emplace(field.name, field).first->second;
+    EXPECT_STREQ(field.text, first.text) << where;
+    EXPECT_STREQ(field.unit, first.unit) << where;
+    EXPECT_EQ(field.valid(), first.valid()) << where;
+    EXPECT_EQ(field.type, first.type) << where;
   }
 }
 
 TEST(Sections, EveryFieldIsASentenceAboutSomethingNamedInSmallLetters) {
   Configuration configuration;
-  for (const Section& section : sectionsOf(configuration)) {
-    for (const Field& field : section.fields) {
-      const std::string where = std::string(section.name) + "/" + field.name;
-      EXPECT_EQ(std::string(field.name).find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_"),
-                std::string::npos)
-          << where;
-      EXPECT_GT(std::string(field.text).size(), 8U) << where;
-      EXPECT_STRNE(field.group, "") << where;
-      EXPECT_NE(std::string(field.text).back(), '.') << where;
-    }
+  for (const auto& [where, field] : allFields(configuration)) {
+    const std::string name = field.name, text = field.text;
+    EXPECT_EQ(name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_"), std::string::npos) << where;
+    EXPECT_GT(text.size(), 8U) << where;
+    EXPECT_STRNE(field.group, "") << where;
+    EXPECT_NE(text.back(), '.') << where;
   }
 }
 
 // A wrong pair of member and name would change another field, or two.
 TEST(Sections, SettingAFieldChangesThatFieldAlone) {
-  std::size_t count = 0;
-  Configuration probe;
-  const std::vector<Section> probes = sectionsOf(probe);
-  for (std::size_t s = 0; s < probes.size(); ++s) {
-    for (std::size_t f = 0; f < probes[s].fields.size(); ++f) {
-      Configuration before, after;
-      const std::vector<Section> untouched = sectionsOf(before);
-      const std::vector<Section> changed = sectionsOf(after);
-      const Field& field = *(changed[s].fields.begin() + static_cast<std::ptrdiff_t>(f));
-      field.set(test::otherValue(field));
-      for (std::size_t t = 0; t < changed.size(); ++t) {
-        for (std::size_t g = 0; g < changed[t].fields.size(); ++g) {
-          const Field& now = *(changed[t].fields.begin() + static_cast<std::ptrdiff_t>(g));
-          const Field& then = *(untouched[t].fields.begin() + static_cast<std::ptrdiff_t>(g));
-          EXPECT_EQ(now.get() == then.get(), s != t || f != g)
-              << changed[t].name << "/" << now.name << " after setting " << changed[s].name << "/"
-              << field.name;
-        }
-      }
-      ++count;
-    }
+  Configuration before;
+  const auto untouched = allFields(before);
+  for (std::size_t i = 0; i < untouched.size(); ++i) {
+    Configuration after;
+    const auto changed = allFields(after);
+    changed[i].second.set(test::anotherValue(changed[i].second));
+    for (std::size_t j = 0; j < changed.size(); ++j)
+      EXPECT_EQ(changed[j].second.get() == untouched[j].second.get(), i != j)
+          << changed[j].first << " after setting " << changed[i].first;
   }
-  EXPECT_GT(count, 190U);
+  EXPECT_GT(untouched.size(), 190U);
 }
 
 TEST(Sections, ValuesOutOfRangeAreRefusedByName) {
   Configuration configuration;
   std::size_t count = 0;
-  for (const Section& section : sectionsOf(configuration)) {
-    for (const Field& field : section.fields) {
-      for (const FieldValue& wrong : test::wrongValues(field)) {
-        const FieldValue before = field.get();
-        try {
-          field.set(wrong);
-          ADD_FAILURE() << section.name << "/" << field.name << " accepts " << toText(wrong);
-        } catch (const InvalidParameter& error) {
-          EXPECT_EQ(error.names(), std::vector<std::string>{field.name});
-          EXPECT_NE(std::string(error.what()).find(field.name), std::string::npos);
-        }
-        EXPECT_EQ(field.get(), before) << section.name << "/" << field.name;
-        ++count;
+  for (const auto& [where, field] : allFields(configuration)) {
+    for (const FieldValue& wrong : test::wrongValues(field)) {
+      const FieldValue before = field.get();
+      try {
+        field.set(wrong);
+        ADD_FAILURE() << where << " accepts " << toText(wrong);
+      } catch (const InvalidParameter& error) {
+        EXPECT_EQ(error.names(), std::vector<std::string>{field.name});
+        EXPECT_NE(std::string(error.what()).find(field.name), std::string::npos);
       }
+      EXPECT_EQ(field.get(), before) << where;
+      ++count;
     }
   }
   EXPECT_GT(count, 250U);

@@ -119,6 +119,10 @@ class FieldList {
   template <typename Entry>
   void addDictionary(const char* name, std::map<std::string, Entry>& entries, const char* text);
 
+  /// The fields of another list that the filter lets through, and its dictionaries.
+  void append(const FieldList& other, const std::function<bool(const Field&)>& filter = {});
+
+  using value_type = Field;
   std::vector<Field>::const_iterator begin() const { return fields_.begin(); }
   std::vector<Field>::const_iterator end() const { return fields_.end(); }
   std::size_t size() const { return fields_.size(); }
