@@ -63,8 +63,8 @@ void evaluatePair(SceneImages& images, const ImagePair& pair, const FlowEvaluati
   }
   const bool is_estimated = !fileSourceOf(options.optical_flow.flow.backend);
   if (is_estimated) {
-    images.pictureOf(pair.first);  // read before the time counts
-    images.pictureOf(pair.second);
+    images.imageOf(pair.first);  // read before the time counts
+    images.imageOf(pair.second);
   }
   const Clock::time_point start = Clock::now();
   const FlowField field = images.flowOf(pair, input);

@@ -92,7 +92,7 @@ cv::Size SceneDepths::sizeOf(Index row) const {
   return workingGrid({reading(row).width, reading(row).height}, source_.working_width);
 }
 
-const cv::Mat& SceneDepths::pictureOf(Index row) {
+const cv::Mat& SceneDepths::imageOf(Index row) {
   cv::Mat& image = pictures_[row];
   if (image.empty()) {
     const fs::path path = tables_.path(reading(row));
@@ -178,7 +178,7 @@ DepthInput SceneDepths::inputOf(Index row) {
   input.camera = gridOf(row);
   input.T_base_from_camera = mountOf(reading(row));
   const DepthNeeds needs = depth_->needs();
-  if (needs.image) input.image = pictureOf(row);
+  if (needs.image) input.image = imageOf(row);
   if (needs.lidar)
     input.lidar_points = lidarPoints(row, source_.half_of_lidar ? LidarPart::kSeen : LidarPart::kAll);
   if (needs.radar) input.radar_points = radarPoints(secondsOf(reading(row)));

@@ -57,7 +57,7 @@ class SceneDepths {
 
   /// The camera on the working grid. @throws dataset::DatasetError naming what is missing or wrong.
   CameraIntrinsics gridOf(dataset::Index row) const;
-  const cv::Mat& pictureOf(dataset::Index row);
+  const cv::Mat& imageOf(dataset::Index row);
   /// Depth by the backend of the source, m.
   const cv::Mat& depthOf(dataset::Index row);
   /// 1 sigma of its inverse, share of it, as the backend declares it (see DepthEvaluationOptions::depth).

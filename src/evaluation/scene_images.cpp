@@ -116,7 +116,7 @@ FlowField SceneImages::flowOf(const ImagePair& pair, const MotionInput& input) {
   cv::Mat expected;
   if (options_.optical_flow.flow.initialisation == FlowStart::kExpected)
     expected = expectedFlow(input.camera, input.T_current_from_previous, input.depth);
-  field = flow_->compute(pictureOf(pair.first), pictureOf(pair.second), expected);
+  field = flow_->compute(imageOf(pair.first), imageOf(pair.second), expected);
   if (field.flow.size() == size) return field;
   if (!field.valid.empty()) field.valid = resizeNearest(field.valid, size);
   if (!field.fb_error.empty())

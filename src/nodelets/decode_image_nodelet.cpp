@@ -27,7 +27,7 @@ class DecodeImageNodelet : public StreamNodelet {
 
   void decode(const sensor_msgs::CompressedImage& message) {
     constexpr int kColour = 3;
-    const Picture picture = pictureOf(message, kColour);
+    const DecodedImage picture = decodedImageOf(message, kColour);
     publisher_.publish(imageMessage(message.header, "bgr8", picture.pixels));
     ++decoded_;
   }

@@ -89,7 +89,7 @@ bool isGridOf(const cv::Size& grid, const cv::Size& image) {
   return std::abs(height - grid.height) <= std::max(1.0, 0.02 * height);
 }
 
-Picture pictureOf(const sensor_msgs::ImageConstPtr& message) {
+DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message) {
   expectSize(*message, "image");
   expectSoundBytes(*message, "image");
   const bool grey = message->encoding == encodings::MONO8 || message->encoding == encodings::MONO16;
@@ -102,9 +102,9 @@ Picture pictureOf(const sensor_msgs::ImageConstPtr& message) {
   }
 }
 
-Picture pictureOf(const sensor_msgs::CompressedImage& message, int channels) {
+DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int channels) {
   const std::string what = "compressed image of format '" + message.format + "'";
-  Picture picture;
+  DecodedImage picture;
   picture.header = message.header;
   if (!message.data.empty()) {
     try {

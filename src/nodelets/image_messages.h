@@ -19,16 +19,16 @@
 namespace radar_dot {
 
 /// A picture and the message its pixels belong to (none where they are its own).
-struct Picture {
+struct DecodedImage {
   std_msgs::Header header;
   cv::Mat pixels;  ///< CV_8UC3 (BGR) or CV_8UC1; not to be written to
   boost::shared_ptr<const void> owner;
 };
 
 /// Without a copy where the encoding is bgr8 or mono8 already.
-Picture pictureOf(const sensor_msgs::ImageConstPtr& message);
+DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message);
 /// Decoded. @param channels  1: to grey, which is quicker; 3: colour
-Picture pictureOf(const sensor_msgs::CompressedImage& message, int channels);
+DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int channels);
 
 /// Depth in m, CV_32FC1: of encoding 32FC1 (m, shared with the message) or 16UC1 (mm, 0 = unknown).
 cv::Mat depthOf(const sensor_msgs::Image& message);

@@ -18,18 +18,18 @@ class LazyImage {
   explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed) : compressed_(std::move(compressed)) {}
 
   const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
-  /// @throws std::invalid_argument as pictureOf()
+  /// @throws std::invalid_argument as decodedImageOf()
   const cv::Mat& pixels() {
     if (!picture_.pixels.empty()) return picture_.pixels;
     constexpr int kColour = 3;
-    picture_ = raw_ ? pictureOf(raw_) : pictureOf(*compressed_, kColour);
+    picture_ = raw_ ? decodedImageOf(raw_) : decodedImageOf(*compressed_, kColour);
     return picture_.pixels;
   }
 
  private:
   sensor_msgs::ImageConstPtr raw_;
   sensor_msgs::CompressedImageConstPtr compressed_;
-  Picture picture_;
+  DecodedImage picture_;
 };
 
 /// `image` as raw messages, or as compressed ones of `image/compressed`, by the private parameter

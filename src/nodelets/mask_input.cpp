@@ -65,7 +65,7 @@ void MaskInput::subscribe() {
 void MaskInput::onMask(const sensor_msgs::ImageConstPtr& mask) {
   guard(mask_monitor_, [&] {
     if (!mask_monitor_.accept(mask->header, ros::Time::now())) forget();
-    if (pictureOf(mask).pixels.type() != CV_8UC1) {
+    if (decodedImageOf(mask).pixels.type() != CV_8UC1) {
       throw std::invalid_argument("its encoding is '" + mask->encoding + "', not mono8");
     }
     mask_ = mask;
@@ -142,7 +142,7 @@ std::vector<std::uint8_t> MaskInput::markedBy(const std::vector<DopplerReturn>& 
   points.reserve(returns.size());
   for (const DopplerReturn& seen : returns) points.push_back(positionOf(seen, T));
 
-  const Picture mask = pictureOf(mask_);
+  const DecodedImage mask = decodedImageOf(mask_);
   const CameraIntrinsics camera = cameraOf(*camera_);
   if (!isGridOf(mask.pixels.size(), {camera.width, camera.height})) {
     throw std::invalid_argument(

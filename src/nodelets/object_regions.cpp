@@ -49,7 +49,7 @@ std::vector<MaskRegion> regionsOf(const MaskMessages& messages, const sensor_msg
                                 " px does not have the shape of camera_info of " +
                                 sizeText({camera.width, camera.height}) + " px");
   }
-  const Picture mask = pictureOf(messages.mask);
+  const DecodedImage mask = decodedImageOf(messages.mask);
   if (mask.pixels.type() != CV_8UC1) {
     throw std::invalid_argument("mask: its encoding is '" + messages.mask->encoding + "', not mono8");
   }

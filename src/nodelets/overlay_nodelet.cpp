@@ -198,8 +198,8 @@ void OverlayNodelet::draw(const sensor_msgs::ImageConstPtr& message, const Parts
   const ros::WallTime start = ros::WallTime::now();
   const std_msgs::Header& header = message->header;
   // The masks stay in their messages, which outlive this function.
-  const Picture mask = pictureOf(message);
-  const Picture valid = parts.valid ? pictureOf(parts.valid) : Picture{};
+  const DecodedImage mask = decodedImageOf(message);
+  const DecodedImage valid = parts.valid ? decodedImageOf(parts.valid) : DecodedImage{};
   const cv::Mat& image = parts.image->pixels();
   if (maskWanted()) {
     mask_publisher_.publish(imageMessage(header, "bgr8", overlayMask(image, mask.pixels, valid.pixels)));

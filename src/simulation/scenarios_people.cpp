@@ -19,7 +19,7 @@ void makeParkedCars(ScenarioKit& kit) {
   const double behind = 45.0;
   kit.addMainStreet({}, behind + kSpeed * duration + kView);
   kit.main().parked_share = 0.9;
-  // Slows down before every place where somebody crosses.
+  // Slows down before every place where people cross.
   SpeedProfileBuilder drive(-1.0, kSpeed);
   drive.keep(1.5).change(kSlow, 2.0).keep(2.2).change(kSpeed, 2.5);
   struct Crossing {

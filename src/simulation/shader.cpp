@@ -135,7 +135,7 @@ Color Shader::lampLight(const Vector3f& point, const Vector3f& normal) const {
     sum += lights[count];
     rays[count++] = to_lamp;
   }
-  // What adds little may shine through walls: nobody would see the difference.
+  // What adds little may shine through walls: the difference is invisible.
   const float faint = 0.06F * sum.maxCoeff();
   for (std::size_t i = 0; i < count; ++i) {
     if (lights[i].maxCoeff() < faint) continue;

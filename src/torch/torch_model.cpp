@@ -207,7 +207,7 @@ std::shared_ptr<TorchModel> TorchModel::load(const NetworkParams& params, const 
                 signature.inputs, signature.output);
   keepMemory();
   Loaded& known = loaded();
-  const std::lock_guard<std::mutex> lock(known.mutex);  // held while loading: nobody loads it a second time
+  const std::lock_guard<std::mutex> lock(known.mutex);  // held while loading, so that it is loaded once
   if (std::shared_ptr<TorchModel> shared = known.networks[key].lock()) return shared;
   auto network = std::make_shared<Network>(params, device, signature);
   known.networks[key] = network;

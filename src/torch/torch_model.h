@@ -27,7 +27,7 @@ struct NetworkSignature {
 /// after the other.
 class TorchModel {
  public:
-  /// A network that somebody already has, with the same file, device and signature, is shared.
+  /// A network in use already, with the same file, device and signature, is shared.
   /// @throws std::invalid_argument in one line, when there is no such file, it is not TorchScript, it does
   /// not
   ///         take these inputs or give this output, or there is no such device

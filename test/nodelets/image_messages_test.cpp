@@ -68,7 +68,7 @@ TEST(PictureOf, SharesBgrAndGreyWithTheMessageAndKeepsIt) {
   for (const auto& [encoding, channels] : {std::pair<const char*, int>{"bgr8", 3}, {"mono8", 1}}) {
     sensor_msgs::ImageConstPtr message = imageOf(encoding, static_cast<std::uint32_t>(channels));
     const boost::weak_ptr<const sensor_msgs::Image> watched = message;
-    Picture picture = pictureOf(message);
+    DecodedImage picture = decodedImageOf(message);
     EXPECT_EQ(picture.pixels.data, message->data.data()) << "it was copied";
     EXPECT_EQ(picture.pixels.type(), CV_8UC(channels));
     EXPECT_EQ(picture.pixels.size(), cv::Size(4, 3));
@@ -84,14 +84,14 @@ TEST(PictureOf, SharesBgrAndGreyWithTheMessageAndKeepsIt) {
 
 TEST(PictureOf, ConvertsOtherOrdersOfChannels) {
   const sensor_msgs::ImageConstPtr rgb = imageOf("rgb8", 3);
-  const Picture picture = pictureOf(rgb);
+  const DecodedImage picture = decodedImageOf(rgb);
   ASSERT_EQ(picture.pixels.type(), CV_8UC3);
   EXPECT_EQ(picture.pixels.at<cv::Vec3b>(0, 0), cv::Vec3b(2, 1, 0));
   EXPECT_EQ(picture.pixels.at<cv::Vec3b>(1, 1), cv::Vec3b(16 + 5, 16 + 4, 16 + 3));
   EXPECT_EQ(rgb->data[0], 0) << "the message belongs to others as well";
   EXPECT_EQ(picture.header.stamp, ros::Time(12, 34));
 
-  EXPECT_EQ(pictureOf(sensor_msgs::ImageConstPtr(imageOf("bgra8", 4))).pixels.at<cv::Vec3b>(0, 1),
+  EXPECT_EQ(decodedImageOf(sensor_msgs::ImageConstPtr(imageOf("bgra8", 4))).pixels.at<cv::Vec3b>(0, 1),
             cv::Vec3b(4, 5, 6));
 }
 
@@ -99,7 +99,7 @@ TEST(PictureOf, DeepGreyStaysGreyOverTheWholeRange) {
   const sensor_msgs::ImagePtr message = imageOf("mono16", 2);
   setPixel<std::uint16_t>(*message, 0, 0, 0);
   setPixel<std::uint16_t>(*message, 0, 1, 65535);
-  const Picture picture = pictureOf(sensor_msgs::ImageConstPtr(message));
+  const DecodedImage picture = decodedImageOf(sensor_msgs::ImageConstPtr(message));
   ASSERT_EQ(picture.pixels.type(), CV_8UC1);
   EXPECT_EQ(picture.pixels.at<std::uint8_t>(0, 0), 0);
   EXPECT_EQ(picture.pixels.at<std::uint8_t>(0, 1), 255);
@@ -107,8 +107,9 @@ TEST(PictureOf, DeepGreyStaysGreyOverTheWholeRange) {
 
 TEST(PictureOf, RefusesWhatIsNoPictureByItsEncoding) {
   for (const char* encoding : {"yuv9000", "", "32FC1"}) {
-    expectRefusal<std::invalid_argument>([&] { pictureOf(sensor_msgs::ImageConstPtr(imageOf(encoding, 4))); },
-                                         {"encoding '" + std::string(encoding) + "'"});
+    expectRefusal<std::invalid_argument>(
+        [&] { decodedImageOf(sensor_msgs::ImageConstPtr(imageOf(encoding, 4))); },
+        {"encoding '" + std::string(encoding) + "'"});
   }
 }
 
@@ -116,7 +117,7 @@ TEST(PictureOf, RefusesSizesThatContradictTheData) {
   const auto picture = [](auto change) {
     const sensor_msgs::ImagePtr message = imageOf("bgr8", 3);
     change(*message);
-    return pictureOf(sensor_msgs::ImageConstPtr(message));
+    return decodedImageOf(sensor_msgs::ImageConstPtr(message));
   };
   EXPECT_NO_THROW(picture([](auto&) {}));
   EXPECT_THROW(picture([](auto& message) { message.data.pop_back(); }), std::invalid_argument);
@@ -137,7 +138,7 @@ TEST(PictureOf, RefusesSizesWhoseProductOverflows) {
   message.height = 65537;
   message.data.resize(65536);
   message.encoding = "mono8";
-  EXPECT_THROW(pictureOf(boost::make_shared<const sensor_msgs::Image>(message)), std::invalid_argument);
+  EXPECT_THROW(decodedImageOf(boost::make_shared<const sensor_msgs::Image>(message)), std::invalid_argument);
   message.encoding = "32FC1";
   EXPECT_THROW(depthOf(message), std::invalid_argument);
   message.encoding = "32FC2";
@@ -147,10 +148,11 @@ TEST(PictureOf, RefusesSizesWhoseProductOverflows) {
 TEST(PictureOf, ByteOrderMattersOnlyToDeepPixels) {
   const sensor_msgs::ImagePtr shallow = imageOf("bgr8", 3), deep = imageOf("mono16", 2);
   shallow->is_bigendian = deep->is_bigendian = 1;
-  const Picture picture = pictureOf(sensor_msgs::ImageConstPtr(shallow));
+  const DecodedImage picture = decodedImageOf(sensor_msgs::ImageConstPtr(shallow));
   ASSERT_EQ(picture.pixels.type(), CV_8UC3);
   EXPECT_EQ(picture.pixels.at<cv::Vec3b>(1, 1), cv::Vec3b(16 + 3, 16 + 4, 16 + 5));
-  expectRefusal<std::invalid_argument>([&] { pictureOf(sensor_msgs::ImageConstPtr(deep)); }, {"byte order"});
+  expectRefusal<std::invalid_argument>([&] { decodedImageOf(sensor_msgs::ImageConstPtr(deep)); },
+                                       {"byte order"});
 }
 
 // Flat colours, so that JPEG leaves them nearly as they are.
@@ -166,7 +168,7 @@ sensor_msgs::CompressedImage compressed(const std::string& format, const cv::Sca
 TEST(PictureOf, DecodesInColourAndInGrey) {
   for (const char* format : {"jpg", "png"}) {
     const sensor_msgs::CompressedImage message = compressed(format, {200.0, 100.0, 50.0});
-    const Picture colour = pictureOf(message, 3);
+    const DecodedImage colour = decodedImageOf(message, 3);
     ASSERT_EQ(colour.pixels.type(), CV_8UC3) << format;
     EXPECT_EQ(colour.pixels.size(), cv::Size(32, 24));
     EXPECT_EQ(colour.header.frame_id, "camera");
@@ -176,7 +178,7 @@ TEST(PictureOf, DecodesInColourAndInGrey) {
     EXPECT_NEAR(mean[1], 100.0, 3.0) << format;
     EXPECT_NEAR(mean[2], 50.0, 3.0) << format;
 
-    const Picture grey = pictureOf(message, 1);
+    const DecodedImage grey = decodedImageOf(message, 1);
     ASSERT_EQ(grey.pixels.type(), CV_8UC1) << format;
     EXPECT_EQ(grey.pixels.size(), cv::Size(32, 24));
     // 0.114 * 200 + 0.587 * 100 + 0.299 * 50
@@ -187,7 +189,7 @@ TEST(PictureOf, DecodesInColourAndInGrey) {
 TEST(PictureOf, GreyFilesBecomeColourWhereColourIsWanted) {
   sensor_msgs::CompressedImage message;
   cv::imencode(".png", cv::Mat(24, 32, CV_8UC1, cv::Scalar(77)), message.data);
-  const Picture picture = pictureOf(message, 3);
+  const DecodedImage picture = decodedImageOf(message, 3);
   ASSERT_EQ(picture.pixels.type(), CV_8UC3);
   EXPECT_EQ(picture.pixels.at<cv::Vec3b>(5, 5), cv::Vec3b(77, 77, 77));
 }
@@ -196,16 +198,16 @@ TEST(PictureOf, RefusesBytesThatAreNoImage) {
   sensor_msgs::CompressedImage message = compressed("png", {1.0, 2.0, 3.0});
   message.format = "bgr8; png compressed bgr8";
   message.data.clear();
-  expectRefusal<std::invalid_argument>([&] { pictureOf(message, 3); },
+  expectRefusal<std::invalid_argument>([&] { decodedImageOf(message, 3); },
                                        {"bgr8; png compressed bgr8", "0 bytes"});
   message.data.assign(100, 0x5A);
   for (const int channels : {1, 3}) {
-    expectRefusal<std::invalid_argument>([&] { pictureOf(message, channels); }, {"100 bytes"});
+    expectRefusal<std::invalid_argument>([&] { decodedImageOf(message, channels); }, {"100 bytes"});
   }
   for (const char* format : {"jpg", "png"}) {
     message = compressed(format, {1.0, 2.0, 3.0});
     message.data.resize(12);
-    EXPECT_THROW(pictureOf(message, 3), std::invalid_argument)
+    EXPECT_THROW(decodedImageOf(message, 3), std::invalid_argument)
         << format << " without more than its first bytes";
   }
 }

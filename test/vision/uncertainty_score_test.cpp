@@ -155,7 +155,7 @@ class StaticWorld {
     for (int v = 0; v < kCamera.height; ++v) {
       for (int u = 0; u < kCamera.width; ++u) {
         const double depth = 10.0 + 0.05 * u + 0.03 * v;
-        // The errors of the motion are drawn anew for every pixel, so that their spread shows in one image.
+        // The errors of the motion are drawn for every pixel again, so that their spread shows in one image.
         const Eigen::Isometry3d motion = smallMotion(motion_covariance) * someMotion();
         const double true_rho = (1.0 + params_.noise.depth_std * normal()) / depth;
         Eigen::Vector2d flow = pixelOf(motion, u, v, 1.0 / true_rho) - Eigen::Vector2d(u, v);

@@ -40,7 +40,7 @@ inline bool operator==(const PointField& a, const PointField& b) {
   return a.name == b.name && a.offset == b.offset && a.type == b.type && a.count == b.count;
 }
 
-/// A cloud of `size()` records somebody else owns: the common ground of sensor_msgs/PointCloud2
+/// A cloud of `size()` records that the caller owns: the common ground of sensor_msgs/PointCloud2
 /// and of the files of a dataset. Rows of an organised cloud may be padded (`row_step`).
 struct PointCloudView {
   const std::vector<PointField>* fields = nullptr;

@@ -29,7 +29,7 @@ constexpr float kMaxLogOdds = 6.0F;
 cv::Mat logOdds(const MotionResult& result);
 
 /// What a pair of images said of its first image (logOdds), at the pixels of a later image,
-/// times `share`: what was believed is forgotten by and by.
+/// times `share`: a belief decays.
 /// @param flow_back  CV_32FC2, px of the grid, from the later image to the first of the pair
 /// @param share      between 0 and 1, e.g. forgetting(dt, memory)
 /// @return CV_32FC1, NaN where nothing is known
