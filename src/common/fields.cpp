@@ -170,6 +170,11 @@ void Field::check(const FieldValue& given) const {
       return std::get<std::string>(value) == choice.first;
     });
   }
+  // valid() leaves out the end that stands for no limit.
+  constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (const auto* number = std::get_if<std::int64_t>(&value);
+      number != nullptr && *number > kMost && range.highest >= static_cast<double>(kMost))
+    refuse(*this, given_text, fmt::format("{} or less", kMost));
   if (!is_valid) refuse(*this, given_text, valid().empty() ? typeText() : valid());
 }
 

@@ -45,6 +45,7 @@ void describeUseMask(bool& use_mask, FieldList& fields) {
 /// @throws InvalidParameter naming the entry, so that the others can be used
 void validateRadars(const EgoVelocityConfig& config) {
   const std::string dictionary = fieldsOf(config).dictionaries().front().name;
+  std::map<std::string, std::string> radar_of;  // by topic
   for (const auto& [name, entry] : config.radars) {
     const std::string place = dictionary + "/" + name;
     const FieldList fields = fieldsOf(entry);
@@ -57,6 +58,13 @@ void validateRadars(const EgoVelocityConfig& config) {
       require(entry.doppler_scale != 0.0, fields, {&entry.doppler_scale}, "it must not be zero");
     } catch (const InvalidParameter& error) {
       throw InvalidParameter({place}, place + "/" + error.what());
+    }
+    const std::size_t root = entry.topic.front() == '/' ? 1 : 0;
+    const auto [other, is_new] = radar_of.emplace(entry.topic.substr(root), name);
+    if (!is_new) {
+      throw InvalidParameter({place}, place + " has the " + fields.of(&entry.topic).name + " of " +
+                                          dictionary + "/" + other->second +
+                                          ": its returns would count twice");
     }
   }
 }

@@ -158,7 +158,7 @@ EgoVelocityConfig withMountCorrections(EgoVelocityConfig config,
     });
     RadarEntry& entry = found != config.radars.end() ? found->second : config.radars[channel];
     if (entry.topic.empty()) entry.topic = channel;
-    entry.mount_yaw_correction = yaw;
+    fieldsOf(entry).of(&entry.mount_yaw_correction).set(yaw);
   }
   return config;
 }

@@ -257,7 +257,14 @@ std::vector<std::string> unknownParameters(const XmlRpcValue& given, const std::
     if (std::find(std::begin(kForeign), std::end(kForeign), name) != std::end(kForeign)) continue;
     const std::string nearest = fields.nearestName(name);
     // Topics and nodes below this name have their parameters here too: depth/image/compressed/jpeg_quality.
-    if (value.getType() == XmlRpcValue::TypeStruct && !isDictionary(nearest)) continue;
+    if (value.getType() == XmlRpcValue::TypeStruct && !isDictionary(nearest)) {
+      for (const auto& [below, ignored] : value) {
+        if (fields.find(below) == nullptr && !isDictionary(below)) continue;
+        lines.push_back(
+            fmt::format("'{0}/{1}/{2}' is not read; it belongs directly below '{0}'", space, name, below));
+      }
+      continue;
+    }
     lines.push_back(
         fmt::format("'{}/{}' is no parameter of this nodelet{}", space, name, didYouMean(nearest)));
   }

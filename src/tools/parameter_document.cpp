@@ -17,7 +17,9 @@ namespace radar_dot::tools {
 namespace {
 
 constexpr const char* kYamlIntroduction =
-    R"(# The parameters of the nodelets and their defaults. To be copied; what is left out keeps its default.
+    R"(# The parameters of the nodelets and their defaults. To be copied; what is left out keeps
+# its default. Delete what you do not change: a value here overrides config/masks.yaml, which radar_dot.launch loads
+# first.
 #     roslaunch radar_dot radar.launch config:=FILE
 # The tools read the same file: evaluate_ego_velocity --config FILE.
 )";
@@ -32,8 +34,9 @@ a template), which the launch files load: `roslaunch radar_dot radar.launch conf
 nodelets take changes from `rqt_reconfigure` and `rosrun dynamic_reconfigure dynparam set`, but for the
 parameters *at start*, which are read once. The tools read the same file (`--config FILE`) and have an
 option for each parameter that they use: `--` and its name with `-` for `_`, which overrides the file. A
-parameter *live only* has no effect on them: they read files instead of topics. A value that is not valid
-is refused, and so is an unknown name.
+parameter *live only* has no effect on them: they read files instead of topics. The tools refuse a
+file with a value that is not valid or an unknown name; a nodelet that starts with one uses the default, with an
+ERROR in its diagnostics, and warns of the name; a change while it runs is refused as a whole.
 )md";
 
 bool isPlainWord(const std::string& text) {

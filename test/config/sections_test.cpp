@@ -104,6 +104,10 @@ TEST(Sections, RulesBetweenFieldsNameThoseFields) {
   ego = {};
   ego.footprint.bottom = 2.0;
   EXPECT_EQ(refusedNames(ego), (std::vector<std::string>{"mask_bottom", "mask_top"}));
+  ego = {};
+  ego.radars["front"].topic = "radar_front";
+  ego.radars["front_again"].topic = "/radar_front";
+  EXPECT_EQ(refusedNames(ego), (std::vector<std::string>{"radars/front_again"}));
   OpticalFlowConfig flow;
   flow.pair_interval = flow.max_pair_gap;
   EXPECT_EQ(refusedNames(flow), (std::vector<std::string>{"pair_interval", "max_pair_gap"}));

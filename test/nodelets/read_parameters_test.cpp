@@ -153,8 +153,10 @@ TEST(ReadParameters, UnknownNamesUnlessOthersReadThem) {
   given["image"]["compressed"]["jpeg_quality"] = 80;
   given["lanes"] = 3;
   given["lamps"]["front"]["topic"] = "a";
+  given["group"]["lanes"] = 2;
   EXPECT_EQ(unknownParameters(given, "/toy", fieldsOf(config)),
-            (std::vector<std::string>{"'/toy/lamp' is no parameter of this nodelet; did you mean 'lamps'?",
+            (std::vector<std::string>{"'/toy/group/lanes' is not read; it belongs directly below '/toy'",
+                                      "'/toy/lamp' is no parameter of this nodelet; did you mean 'lamps'?",
                                       "'/toy/mod' is no parameter of this nodelet; did you mean 'mode'?",
                                       "'/toy/threshold' is no parameter of this nodelet"}));
 }

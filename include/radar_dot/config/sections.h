@@ -83,7 +83,7 @@ struct EnumNames<RotationSourceKind> {
 /// A source of rotation besides the radars.
 struct RotationParams {
   RotationSourceKind source = RotationSourceKind::kRadar;
-  std::string fixed_frame;
+  std::string fixed_frame = "map";
   std::string odom_frame = "odom";
 
   void describe(FieldList& fields);
