@@ -116,6 +116,7 @@ TEST(Fields, RefusalsNameFieldValueAndWhatIsValid) {
       {"lanes", "2.5", "lanes is '2.5', must be a whole number"},
       {"lanes", "9", "lanes is 9, must be between 1 and 8"},
       {"houses", "-1", "houses is -1, must be 0 or more"},
+      {"houses", "3000000000", "houses is 3000000000, must be 2147483647 or less"},
       {"lit", "maybe", "lit is 'maybe', must be true or false"},
       {"colour", "blue", "colour is 'blue', must be one of red, green"},
       {"numbers", "1, 256", "numbers is 1, 256, must be between 0 and 255"}};
