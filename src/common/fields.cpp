@@ -13,6 +13,9 @@
 namespace radar_dot {
 namespace {
 
+// What every way of setting a parameter can carry.
+constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+
 std::string numberText(double number) {
   if (std::isinf(number)) return number < 0.0 ? "-inf" : "inf";
   const std::string text = fmt::format("{}", number);
@@ -37,7 +40,7 @@ FieldValue converted(const Field& field, const FieldValue& value) {
     return std::vector<int>{static_cast<int>(*whole)};
   const auto* real = std::get_if<double>(&value);
   if (real != nullptr && field.type == FieldType::kInt && std::trunc(*real) == *real &&
-      std::abs(*real) <= std::numeric_limits<std::int32_t>::max())
+      std::abs(*real) <= kMost)
     return static_cast<std::int64_t>(*real);
   const auto* text = std::get_if<std::string>(&value);
   if (text != nullptr && field.type == FieldType::kTextList) return std::vector<std::string>{*text};
@@ -144,7 +147,6 @@ std::string Field::valid() const {
     for (const auto& [choice, meaning] : choices) names += (names.empty() ? "" : ", ") + std::string(choice);
     return "one of " + names;
   }
-  constexpr double kMost = std::numeric_limits<std::int32_t>::max();
   const bool no_lowest = std::isinf(range.lowest) || range.lowest == -kMost;
   const bool no_highest = std::isinf(range.highest) || range.highest == kMost;
   if (no_lowest && no_highest) return {};
@@ -171,9 +173,8 @@ void Field::check(const FieldValue& given) const {
     });
   }
   // valid() leaves out the end that stands for no limit.
-  constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
   if (const auto* number = std::get_if<std::int64_t>(&value);
-      number != nullptr && *number > kMost && range.highest >= static_cast<double>(kMost))
+      number != nullptr && *number > kMost && range.highest >= kMost)
     refuse(*this, given_text, fmt::format("{} or less", kMost));
   if (!is_valid) refuse(*this, given_text, valid().empty() ? typeText() : valid());
 }
@@ -203,8 +204,7 @@ void Field::setFromText(const std::string& given) const {
       std::vector<int> list;
       for (const std::string& item : listItems(given)) {
         const std::optional<std::int64_t> number = wholeNumber(item);
-        if (!number || std::abs(*number) > std::numeric_limits<std::int32_t>::max())
-          refuse(*this, "'" + given + "'", typeText());
+        if (!number || std::abs(*number) > kMost) refuse(*this, "'" + given + "'", typeText());
         list.push_back(static_cast<int>(*number));
       }
       return set(list);

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "radar_dot/common/did_you_mean.h"
+
 namespace radar_dot {
 namespace {
 
@@ -99,10 +101,6 @@ void setFrom(const XmlRpcValue& value, const Field& field) {
   }
 }
 
-std::string didYouMean(const std::string& nearest) {
-  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
-}
-
 std::string defaultText(const Field& field) {
   const bool is_text = field.type == FieldType::kText || field.type == FieldType::kEnum;
   const std::string text = toText(field.get());
@@ -117,7 +115,7 @@ void readEntry(const XmlRpcValue& given, const FieldList& fields) {
   for (const auto& [name, value] : given) {
     const Field* field = fields.find(name);
     if (field == nullptr)
-      throw InvalidParameter({name}, "/" + name + " is unknown" + didYouMean(fields.nearestName(name)));
+      throw InvalidParameter({name}, "/" + name + " is unknown" + didYouMean(fields.nearestName(name), "'"));
     try {
       setFrom(value, *field);
     } catch (const InvalidParameter& error) {
@@ -266,7 +264,7 @@ std::vector<std::string> unknownParameters(const XmlRpcValue& given, const std::
       continue;
     }
     lines.push_back(
-        fmt::format("'{}/{}' is no parameter of this nodelet{}", space, name, didYouMean(nearest)));
+        fmt::format("'{}/{}' is no parameter of this nodelet{}", space, name, didYouMean(nearest, "'")));
   }
   return lines;
 }

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
+
+#include "radar_dot/common/did_you_mean.h"
 
 namespace radar_dot {
 namespace {
@@ -141,11 +142,9 @@ FieldValue limitOf(const Field& field, bool highest) {
 
 const Field& changeable(const std::string& name, const FieldList& fields) {
   const Field* field = fields.find(name);
-  if (field == nullptr) {
-    const std::string nearest = fields.nearestName(name);
-    throw InvalidParameter({name}, "'" + name + "' is no parameter of this nodelet" +
-                                       (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
-  }
+  if (field == nullptr)
+    throw InvalidParameter(
+        {name}, "'" + name + "' is no parameter of this nodelet" + didYouMean(fields.nearestName(name), "'"));
   if (field->at_start)
     throw InvalidParameter({name}, name + " is read at start, and cannot be changed while the nodelet runs");
   return *field;

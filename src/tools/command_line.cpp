@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "parameter_document.h"
+#include "radar_dot/common/did_you_mean.h"
 
 namespace radar_dot::tools {
 namespace {
@@ -28,10 +29,6 @@ constexpr const char* kNo = "no-";
 std::string optionName(std::string name) {
   std::replace(name.begin(), name.end(), '_', '-');
   return name;
-}
-
-bool contains(const std::vector<std::string>& names, const Field& field) {
-  return std::find(names.begin(), names.end(), field.name) != names.end();
 }
 
 bool isList(FieldType type) { return type == FieldType::kIntList || type == FieldType::kTextList; }
@@ -55,14 +52,6 @@ bool sameMeaning(const Field& a, const Field& b) {
 }
 
 }  // namespace
-
-FieldFilter only(std::vector<std::string> names) {
-  return [names = std::move(names)](const Field& field) { return contains(names, field); };
-}
-
-FieldFilter except(std::vector<std::string> names) {
-  return [names = std::move(names)](const Field& field) { return !contains(names, field); };
-}
 
 CommandLine::CommandLine(std::string tool, std::string purpose, std::vector<std::string> examples)
     : tool_(std::move(tool)), purpose_(std::move(purpose)), examples_(std::move(examples)) {}
@@ -149,7 +138,7 @@ std::string CommandLine::unknownOption(const std::string& name) const {
     if (option.isFlag()) names.push_back(kNo + option.name);
   }
   const std::string nearest = nearestName(name, names);
-  return didYouMean("unknown option --" + name, nearest.empty() ? nearest : "--" + nearest);
+  return "unknown option --" + name + didYouMean(nearest.empty() ? nearest : "--" + nearest);
 }
 
 std::vector<std::string> CommandLine::wordsOf(int argc, const char* const* argv) const {

@@ -17,10 +17,8 @@ namespace radar_dot::tools {
 
 constexpr int kUsageError = 2;  ///< exit code
 
-/// Names of fields, for choosing which become options.
+/// Which fields become options.
 using FieldFilter = std::function<bool(const Field&)>;
-FieldFilter only(std::vector<std::string> names);
-FieldFilter except(std::vector<std::string> names);
 
 /// The command line of a tool, an option per field: "--" + name with '-' for '_'. A flag takes --x, --no-x
 /// and --x=true; everything else a value. Nothing is abbreviated and no option is given twice.
@@ -29,7 +27,7 @@ FieldFilter except(std::vector<std::string> names);
 ///                              {"evaluate_depth --dataroot DIR"});
 ///     command_line.setSections(sectionsOf(configuration));
 ///     command_line.add("Input", fieldsOf(input));
-///     command_line.add("Depth", fieldsOf(configuration.depth), except({"backend"}));
+///     command_line.add("Depth", fieldsOf(configuration.depth));
 ///     command_line.addOutputs("Output", fieldsOf(files));
 ///     command_line.require("dataroot");
 ///     if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;

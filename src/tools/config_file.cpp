@@ -12,6 +12,8 @@
 #include <set>
 #include <system_error>
 
+#include "radar_dot/common/did_you_mean.h"
+
 namespace radar_dot::tools {
 namespace {
 
@@ -135,7 +137,7 @@ class Reader {
       if (key == section.name) return section.fields;
       names.emplace_back(section.name);
     }
-    fail(key_node, didYouMean("unknown section " + key, nearestName(key, names)));
+    fail(key_node, "unknown section " + key + didYouMean(nearestName(key, names)));
   }
 
   void readValues(const std::string& prefix, const FieldList& fields, const YAML::Node& values) {
@@ -152,7 +154,7 @@ class Reader {
                               });
                  }
                  if (!is_known)
-                   fail(key_node, didYouMean("unknown parameter " + path, fields.nearestName(key)));
+                   fail(key_node, "unknown parameter " + path + didYouMean(fields.nearestName(key)));
                });
   }
 
@@ -181,10 +183,6 @@ class Reader {
 };
 
 }  // namespace
-
-std::string didYouMean(const std::string& refusal, const std::string& nearest) {
-  return nearest.empty() ? refusal : fmt::format("{}; did you mean {}?", refusal, nearest);
-}
 
 std::vector<const void*> readConfigFile(const std::string& path, const std::vector<Section>& sections,
                                         const std::string& tool, const FieldList& options) {

@@ -28,7 +28,4 @@ class ConfigFileError : public std::runtime_error {
 std::vector<const void*> readConfigFile(const std::string& path, const std::vector<Section>& sections,
                                         const std::string& tool = "", const FieldList& options = {});
 
-/// "unknown X", and the known name most like it where there is one: "...; did you mean Y?"
-std::string didYouMean(const std::string& refusal, const std::string& nearest);
-
 }  // namespace radar_dot::tools

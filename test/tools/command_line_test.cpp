@@ -41,7 +41,8 @@ struct Tool {
     objects.find("azimuth_std")->set(0.02);
     command_line.setSections(sectionsOf(configuration));
     command_line.add("Input", fieldsOf(input));
-    command_line.add("Ego velocity", ego, except({"model"}));
+    command_line.add("Ego velocity", ego,
+                     [](const radar_dot::Field& field) { return std::string(field.name) != "model"; });
     command_line.add("Objects", objects);
     command_line.addOutputs("Output", fieldsOf(output));
   }
