@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pluginlib/class_list_macros.hpp>
 
-#include "image_messages.h"
-#include "stream_nodelet.h"
+#include "nodelets/common/stream_nodelet.h"
+#include "nodelets/messages/image_messages.h"
 
 namespace radar_dot {
 

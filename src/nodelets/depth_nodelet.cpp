@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "depth_nodelet.h"
+#include "nodelets/depth_nodelet.h"
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "read_parameters.h"
+#include "nodelets/common/read_parameters.h"
 
 namespace radar_dot {
 namespace {

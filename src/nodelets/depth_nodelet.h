@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "cloud_points.h"
-#include "ego_motion.h"
-#include "image_subscriber.h"
+#include "nodelets/common/image_subscriber.h"
+#include "nodelets/inputs/cloud_points.h"
+#include "nodelets/inputs/ego_motion.h"
+#include "nodelets/inputs/stamp_cache.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/vision/depth_estimator.h"
-#include "stamp_cache.h"
 
 namespace radar_dot {
 

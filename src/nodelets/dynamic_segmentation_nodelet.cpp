@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "dynamic_segmentation_nodelet.h"
+#include "nodelets/dynamic_segmentation_nodelet.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "nodelets/inputs/twist_uncertainty.h"
+#include "nodelets/messages/refined_twist.h"
 #include "radar_dot/vision/motion_refinement.h"
 #include "radar_dot/vision/rigid_motion.h"
-#include "refined_twist.h"
-#include "twist_uncertainty.h"
 
 namespace radar_dot {
 namespace {

@@ -8,14 +8,14 @@
 #include <memory>
 #include <string>
 
-#include "cloud_points.h"
-#include "ego_motion.h"
-#include "image_messages.h"
-#include "mask_history.h"
+#include "nodelets/common/stream_nodelet.h"
+#include "nodelets/inputs/cloud_points.h"
+#include "nodelets/inputs/ego_motion.h"
+#include "nodelets/inputs/mask_history.h"
+#include "nodelets/inputs/stamp_cache.h"
+#include "nodelets/messages/image_messages.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/vision/motion_segmentation.h"
-#include "stamp_cache.h"
-#include "stream_nodelet.h"
 
 namespace radar_dot {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "dynamic_segmentation_nodelet.h"
+#include "nodelets/dynamic_segmentation_nodelet.h"
 
 namespace radar_dot {
 namespace {

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ego_velocity_nodelet.h"
+#include "nodelets/ego_velocity_nodelet.h"
 
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 
@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "cloud_conversion.h"
-#include "ego_messages.h"
+#include "nodelets/messages/cloud_conversion.h"
+#include "nodelets/messages/ego_messages.h"
 #include "radar_dot/EgoStatus.h"
 
 namespace radar_dot {
@@ -112,7 +112,8 @@ void EgoVelocityNodelet::setUpRadars(const std::map<std::string, RadarEntry>& en
 std::string EgoVelocityNodelet::disabledBy() const {
   const std::string disabled = "estimation disabled until the parameters are corrected";
   if (!server_ || !server_->usable()) return disabled;
-  static const char* const scale = nameOf(config_, config_.extraction.doppler_scale);  // asked for every cloud
+  static const char* const scale =
+      nameOf(config_, config_.extraction.doppler_scale);  // asked for every cloud
   return server_->refusedAtStart(scale) ? disabled + ": " + scale : "";
 }
 

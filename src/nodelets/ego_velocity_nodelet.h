@@ -13,16 +13,16 @@
 #include <string>
 #include <vector>
 
-#include "extrinsics.h"
-#include "log_throttle.h"
-#include "mask_input.h"
-#include "monitors.h"
+#include "nodelets/common/log_throttle.h"
+#include "nodelets/common/monitors.h"
+#include "nodelets/common/reconfigure_server.h"
+#include "nodelets/inputs/extrinsics.h"
+#include "nodelets/inputs/mask_input.h"
+#include "nodelets/inputs/stamp_guard.h"
+#include "nodelets/inputs/velocity_chain.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/sweep_assembler.h"
-#include "reconfigure_server.h"
-#include "stamp_guard.h"
-#include "velocity_chain.h"
 
 namespace radar_dot {
 

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "moving_objects_nodelet.h"
+#include "nodelets/moving_objects_nodelet.h"
 
 #include <algorithm>
 #include <limits>
@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "nodelets/common/read_parameters.h"
 #include "radar_dot/objects/object_detection.h"
-#include "read_parameters.h"
 
 namespace radar_dot {
 namespace {

@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "cloud_points.h"
-#include "ego_motion.h"
-#include "labelled_scans.h"
-#include "object_messages.h"
-#include "object_regions.h"
-#include "pose_buffer.h"
+#include "nodelets/common/stream_nodelet.h"
+#include "nodelets/inputs/cloud_points.h"
+#include "nodelets/inputs/ego_motion.h"
+#include "nodelets/inputs/labelled_scans.h"
+#include "nodelets/inputs/object_regions.h"
+#include "nodelets/inputs/pose_buffer.h"
+#include "nodelets/messages/object_messages.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/objects/object_tracker.h"
-#include "stream_nodelet.h"
 
 namespace radar_dot {
 

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "odometry_nodelet.h"
+#include "nodelets/odometry_nodelet.h"
 
 #include <nav_msgs/Odometry.h>
 
@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "twist_history.h"
+#include "nodelets/inputs/twist_history.h"
 
 namespace radar_dot {
 namespace {

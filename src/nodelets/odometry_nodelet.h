@@ -15,14 +15,14 @@
 #include <optional>
 #include <string>
 
-#include "extrinsics.h"
-#include "log_throttle.h"
-#include "monitors.h"
+#include "nodelets/common/log_throttle.h"
+#include "nodelets/common/monitors.h"
+#include "nodelets/common/reconfigure_server.h"
+#include "nodelets/inputs/extrinsics.h"
+#include "nodelets/inputs/rotation_source.h"
+#include "nodelets/inputs/stamp_guard.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/radar/odometry.h"
-#include "reconfigure_server.h"
-#include "rotation_source.h"
-#include "stamp_guard.h"
 
 namespace radar_dot {
 

@@ -1,14 +1,14 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "optical_flow_nodelet.h"
+#include "nodelets/optical_flow_nodelet.h"
 
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
 #include <utility>
 
+#include "nodelets/common/read_parameters.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "radar_dot/vision/rigid_motion.h"
-#include "read_parameters.h"
 
 namespace radar_dot {
 namespace {

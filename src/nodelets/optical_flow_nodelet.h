@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "ego_motion.h"
-#include "image_subscriber.h"
+#include "nodelets/common/image_subscriber.h"
+#include "nodelets/inputs/ego_motion.h"
+#include "nodelets/inputs/stamp_cache.h"
 #include "radar_dot/config/sections.h"
-#include "stamp_cache.h"
 
 namespace radar_dot {
 

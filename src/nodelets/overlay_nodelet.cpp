@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "overlay_nodelet.h"
+#include "nodelets/overlay_nodelet.h"
 
 #include <algorithm>
 #include <cmath>

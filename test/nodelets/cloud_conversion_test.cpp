@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/cloud_conversion.h"
+#include "nodelets/messages/cloud_conversion.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/cloud_points.h"
+#include "nodelets/inputs/cloud_points.h"
 
 #include <gtest/gtest.h>
 

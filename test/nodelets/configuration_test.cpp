@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "nodelets/mask_history.h"
-#include "nodelets/read_parameters.h"
-#include "nodelets/reconfigure_server.h"
+#include "nodelets/common/read_parameters.h"
+#include "nodelets/common/reconfigure_server.h"
+#include "nodelets/inputs/mask_history.h"
 #include "radar_dot/config/sections.h"
 
 namespace radar_dot {

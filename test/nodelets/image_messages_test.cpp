@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/image_messages.h"
+#include "nodelets/messages/image_messages.h"
 
 #include <gtest/gtest.h>
 

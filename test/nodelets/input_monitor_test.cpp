@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/input_monitor.h"
+#include "nodelets/common/input_monitor.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/labelled_scans.h"
+#include "nodelets/inputs/labelled_scans.h"
 
 #include <gtest/gtest.h>
 

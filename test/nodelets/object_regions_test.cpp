@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/object_regions.h"
+#include "nodelets/inputs/object_regions.h"
 
 #include <gtest/gtest.h>
 

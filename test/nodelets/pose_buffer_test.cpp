@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/pose_buffer.h"
+#include "nodelets/inputs/pose_buffer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/read_parameters.h"
+#include "nodelets/common/read_parameters.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/reconfigure_messages.h"
+#include "nodelets/common/reconfigure_messages.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 
 #include <stdexcept>
 
-#include "nodelets/reconfigure_server.h"
+#include "nodelets/common/reconfigure_server.h"
 #include "nodelets/toy_config.h"
 
 int main(int argc, char** argv) {

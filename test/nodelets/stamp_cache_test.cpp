@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/stamp_cache.h"
+#include "nodelets/inputs/stamp_cache.h"
 
 #include <gtest/gtest.h>
 #include <std_msgs/Header.h>

@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/stamp_guard.h"
+#include "nodelets/inputs/stamp_guard.h"
 
 #include <gtest/gtest.h>
 
-#include "nodelets/log_throttle.h"
-#include "nodelets/monitors.h"
+#include "nodelets/common/log_throttle.h"
+#include "nodelets/common/monitors.h"
 
 namespace radar_dot {
 namespace {

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/twist_history.h"
+#include "nodelets/inputs/twist_history.h"
 
 #include <gtest/gtest.h>
 

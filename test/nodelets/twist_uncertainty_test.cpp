@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/twist_uncertainty.h"
+#include "nodelets/inputs/twist_uncertainty.h"
 
 #include <gtest/gtest.h>
 

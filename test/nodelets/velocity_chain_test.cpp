@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/velocity_chain.h"
+#include "nodelets/inputs/velocity_chain.h"
 
 #include <gtest/gtest.h>
 

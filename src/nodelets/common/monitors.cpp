@@ -1,0 +1,168 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nodelets/common/monitors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nodelets/common/read_parameters.h"
+#include "radar_dot/radar/sweep_assembler.h"
+
+namespace radar_dot {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+using diagnostic_updater::DiagnosticStatusWrapper;
+
+constexpr std::size_t kRateStamps = 27;  // two seconds of a radar at 13 Hz
+
+// Scans that may wait for their sweep when a report is due.
+constexpr std::size_t kWaiting = 1;
+
+}  // namespace
+
+void StreamMonitor::tick(const ros::Time& stamp, const ros::Time& arrival) {
+  if (!stamps_.empty() && stamp <= stamps_.back()) stamps_.clear();
+  stamps_.push_back(stamp);
+  if (stamps_.size() > kRateStamps) stamps_.pop_front();
+  last_arrival_ = arrival;
+  // Differences of ros::Time throw where a wrong stamp is decades away.
+  age_ = arrival.toSec() - stamp.toSec();
+}
+
+void StreamMonitor::tickUnordered(const ros::Time& stamp, const ros::Time& arrival) {
+  // Several may arrive at one time of a replay's clock.
+  if (stamps_.empty() || arrival > stamps_.back()) stamps_.push_back(arrival);
+  if (stamps_.size() > kRateStamps) stamps_.pop_front();
+  last_arrival_ = arrival;
+  age_ = arrival.toSec() - stamp.toSec();
+}
+
+void StreamMonitor::reset() {
+  stamps_.clear();
+  age_ = 0.0;
+}
+
+double StreamMonitor::rate() const {
+  if (stamps_.size() < 2) return 0.0;
+  return static_cast<double>(stamps_.size() - 1) / (stamps_.back().toSec() - stamps_.front().toSec());
+}
+
+double StreamMonitor::silence(const ros::Time& now) const {
+  // The clock may have gone back since.
+  return received() ? std::max(0.0, now.toSec() - last_arrival_.toSec()) : 0.0;
+}
+
+void StreamMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status) const {
+  const double quiet = silence(now);
+  const double hertz = rate();
+  if (!received()) {
+    status.summary(DiagnosticStatus::ERROR, "nothing received yet");
+  } else if (quiet > expectation_.silent_after) {
+    status.summaryf(DiagnosticStatus::ERROR, "silent for %.1f s", quiet);
+  } else if (std::abs(age_) > expectation_.max_age) {
+    status.summaryf(DiagnosticStatus::WARN, "stamps are %.2f s %s the clock", std::abs(age_),
+                    age_ > 0.0 ? "behind" : "ahead of");
+  } else if (hertz > 0.0 && expectation_.rate > 0.0 &&
+             std::abs(hertz - expectation_.rate) > expectation_.rate_tolerance * expectation_.rate) {
+    status.summaryf(DiagnosticStatus::WARN, "%.1f Hz instead of %.1f Hz", hertz, expectation_.rate);
+  } else {
+    status.summaryf(DiagnosticStatus::OK, "%.1f Hz", hertz);
+  }
+  status.addf("rate (Hz)", "%.2f", hertz);
+  status.addf("age at arrival (s)", "%.3f", age_);
+  status.addf("silence (s)", "%.2f", quiet);
+}
+
+void RadarMonitor::scan(const ros::Time& stamp, const ros::Time& arrival, const std::string& frame,
+                        const ExtractionCounts& counts) {
+  stream_.tick(stamp, arrival);
+  frame_ = frame;
+  counts_ = counts;
+  ++good_;
+}
+
+std::size_t RadarMonitor::outside() const { return good_ > used_ ? good_ - used_ : 0; }
+
+void RadarMonitor::refuse(const std::string& cause) {
+  cause_ = cause;
+  ++refused_;
+  ++refused_in_all_;
+}
+
+void RadarMonitor::reset() {
+  stream_.reset();
+  good_ = used_ = refused_ = 0;
+}
+
+void RadarMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status) {
+  stream_.report(now, status);
+  if (refused_ > 0) {
+    status.summaryf(good_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR, "%zu clouds refused: %s",
+                    refused_, cause_.c_str());
+  } else if (good_ > 0 && !mount_error_.empty()) {
+    status.summary(DiagnosticStatus::ERROR, mount_error_);
+  } else if (outside() > kWaiting && 2 * outside() > good_) {
+    const SweepParams names;
+    status.mergeSummaryf(DiagnosticStatus::WARN,
+                         "%zu of %zu scans outside the window of %.2f s: check its clock or the "
+                         "parameter %s",
+                         outside(), good_, window_, nameOf(names, names.window));
+  }
+  status.add("topic", topic_);
+  status.add("frame", frame_);
+  status.addf("returns", "%zu", counts_.total);
+  status.addf("returns accepted", "%zu", counts_.accepted);
+  status.addf("returns not finite", "%zu", counts_.not_finite);
+  status.addf("scans used", "%zu of %zu", used_, good_);
+  status.addf("clouds refused", "%zu", refused_in_all_);
+  good_ = used_ = refused_ = 0;
+}
+
+void EstimatorMonitor::estimate(const ros::Time& stamp, const ros::Time& arrival,
+                                const EgoVelocityResult& result, std::size_t left_out,
+                                double computation_time) {
+  stream_.tick(stamp, arrival);
+  ++estimates_in_all_;
+  left_out_in_all_ += left_out;
+  computation_time_ = computation_time;
+  inlier_share_ = result.return_count == 0
+                      ? 0.0
+                      : static_cast<double>(result.inlier_count) / static_cast<double>(result.return_count);
+  condition_number_ = result.condition_number;
+  rms_ = result.rms;
+  fully_observed_ = result.fully_observed;
+  if (result.valid()) {
+    ++valid_;
+  } else {
+    ++refused_;
+    ++refused_in_all_;
+    reason_ = result.reason;
+  }
+}
+
+void EstimatorMonitor::reset() {
+  stream_.reset();
+  valid_ = refused_ = 0;
+}
+
+void EstimatorMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status) {
+  stream_.report(now, status);
+  if (refused_ > 0) {
+    status.summaryf(valid_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
+                    "%zu of %zu estimates refused: %s", refused_, refused_ + valid_, reason_.c_str());
+  } else if (valid_ > 0 && !fully_observed_) {
+    status.mergeSummary(DiagnosticStatus::WARN, "the returns do not constrain every component");
+  }
+  status.addf("inlier share", "%.2f", inlier_share_);
+  status.addf("condition number", "%.2f", condition_number_);
+  status.addf("rms (m/s)", "%.3f", rms_);
+  status.addf("computation time (ms)", "%.3f", 1e3 * computation_time_);
+  status.addf("estimates", "%zu", estimates_in_all_);
+  status.addf("estimates refused", "%zu", refused_in_all_);
+  status.add("last refusal", reason_);
+  status.addf("scans outside the window", "%zu", left_out_in_all_);
+  valid_ = refused_ = 0;
+}
+
+}  // namespace radar_dot

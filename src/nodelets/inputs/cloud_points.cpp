@@ -1,0 +1,115 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nodelets/inputs/cloud_points.h"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "nodelets/messages/cloud_conversion.h"
+
+namespace radar_dot {
+namespace {
+
+constexpr double kTwistHold = 0.3;  // s
+// s of scans that are kept of each sensor: the images of a pair, and masks of them, come later.
+constexpr double kKept = 4.0;
+constexpr std::size_t kMaxScans = 200;    // of each sensor
+constexpr std::size_t kMaxSensors = 100;  // more are frame names that vary from message to message
+
+/// The field `name` where it can be read; null where there is none.
+/// @throws std::invalid_argument for a field of no known type, or that reaches beyond its point
+const PointField* readableField(const std::vector<PointField>& fields, const PointCloudView& view,
+                                const char* name) {
+  const PointField* field = findField(fields, name);
+  if (field == nullptr) return nullptr;
+  const std::size_t size = scalarSize(field->type);
+  if (size == 0) throw std::invalid_argument(std::string("its field ") + name + " has no known type");
+  if (field->offset + size > view.point_step) {
+    throw std::invalid_argument(std::string("its field ") + name + " reaches beyond the " +
+                                std::to_string(view.point_step) + " bytes of a point");
+  }
+  return field;
+}
+
+}  // namespace
+
+std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
+  std::vector<PointField> fields;
+  const PointCloudView view = viewOf(cloud, fields);
+  std::array<const PointField*, 3> axes{};
+  constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    axes[i] = readableField(fields, view, kNames[i]);
+    if (axes[i] == nullptr && view.size() > 0) {
+      throw std::invalid_argument("its fields are " + fieldNames(fields) + "; x, y and z are needed");
+    }
+  }
+  // Where a cloud had a residual of its own before, ours has another name.
+  const PointField* residual = readableField(fields, view, "ego_residual");
+  if (residual == nullptr) residual = readableField(fields, view, "residual");
+  const auto read = [](const std::uint8_t* data, const PointField& field) {
+    return static_cast<float>(readScalar(data + field.offset, field.type));
+  };
+  std::vector<CloudPoint> points;
+  points.reserve(view.size());
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    const std::uint8_t* data = view.point(i);
+    CloudPoint point;
+    for (std::size_t k = 0; k < axes.size(); ++k)
+      point.position[static_cast<Eigen::Index>(k)] = read(data, *axes[k]);
+    if (residual != nullptr) point.residual = read(data, *residual);
+    if (point.position.allFinite()) points.push_back(point);
+  }
+  return points;
+}
+
+void RecentClouds::add(const std::string& topic, const sensor_msgs::PointCloud2& cloud) {
+  Scan scan{cloud.header.stamp, pointsOf(cloud)};
+  if (scans_.size() > kMaxSensors) scans_.clear();
+  std::deque<Scan>& scans = scans_[{cloud.header.frame_id, topic}];
+  scans.push_back(std::move(scan));
+  const double newest = cloud.header.stamp.toSec();
+  while (scans.size() > kMaxScans || newest - scans.front().stamp.toSec() > kKept) scans.pop_front();
+}
+
+const RecentClouds::Scan* RecentClouds::nearest(const std::deque<Scan>& scans, const ros::Time& time,
+                                                double max_age) {
+  const Scan* nearest = nullptr;
+  double least = max_age;
+  for (const Scan& scan : scans) {
+    const double age = std::abs(time.toSec() - scan.stamp.toSec());
+    if (age > least) continue;
+    least = age;
+    nearest = &scan;
+  }
+  return nearest;
+}
+
+std::vector<CloudPoint> RecentClouds::at(const ros::Time& time, double max_age) {
+  std::vector<CloudPoint> points;
+  for (const auto& [key, scans] : scans_) {
+    const Scan* scan = nearest(scans, time, max_age);
+    if (scan == nullptr) continue;
+    std::string missing;
+    const std::optional<Eigen::Isometry3d> T_base_from_sensor = extrinsics_.lookup(key.first, missing);
+    if (!T_base_from_sensor) {
+      warn_("the cloud on '" + key.second + "' is left out: " + missing);
+      continue;
+    }
+    const std::optional<Eigen::Isometry3d> T_now_from_scan =
+        motion_.between(time, scan->stamp, kTwistHold, false).T_begin_from_end;
+    const Eigen::Isometry3f T =
+        (T_now_from_scan ? *T_now_from_scan * *T_base_from_sensor : *T_base_from_sensor).cast<float>();
+    for (const CloudPoint& point : scan->points) points.push_back({T * point.position, point.residual});
+  }
+  return points;
+}
+
+std::vector<Eigen::Vector3f> RecentClouds::positionsAt(const ros::Time& time, double max_age) {
+  std::vector<Eigen::Vector3f> positions;
+  for (const CloudPoint& point : at(time, max_age)) positions.push_back(point.position);
+  return positions;
+}
+
+}  // namespace radar_dot

@@ -1,0 +1,64 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include <Eigen/Core>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "nodelets/inputs/ego_motion.h"
+#include "nodelets/inputs/extrinsics.h"
+
+namespace radar_dot {
+
+/// A point of a cloud.
+struct CloudPoint {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< m
+  /// m/s, field `ego_residual` or `residual` of radar/static and radar/dynamic; NaN where there is none.
+  float residual = std::numeric_limits<float>::quiet_NaN();
+};
+
+/// The finite points of a cloud, in its own frame. @throws std::invalid_argument for sizes that contradict
+/// each other, or a cloud without x, y and z.
+std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud);
+
+/// The latest clouds of any number of sensors, as points of the base frame.
+class RecentClouds {
+ public:
+  /// @param warn  for sensors whose mount TF does not know
+  RecentClouds(Extrinsics& extrinsics, EgoMotion& motion, std::function<void(const std::string&)> warn)
+      : extrinsics_(extrinsics), motion_(motion), warn_(std::move(warn)) {}
+
+  /// @throws std::invalid_argument as pointsOf()
+  void add(const std::string& topic, const sensor_msgs::PointCloud2& cloud);
+  void clear() { scans_.clear(); }
+
+  /// Base frame at `time`, of the scan of each sensor and topic that is nearest to it, within `max_age` s.
+  /// Static points are where they were seen; the vehicle's motion since is taken from ego/twist, or as none
+  /// where that is not known.
+  std::vector<CloudPoint> at(const ros::Time& time, double max_age);
+  /// The same without residuals, m.
+  std::vector<Eigen::Vector3f> positionsAt(const ros::Time& time, double max_age);
+
+ private:
+  struct Scan {
+    ros::Time stamp;
+    std::vector<CloudPoint> points;  // sensor frame
+  };
+  Extrinsics& extrinsics_;
+  EgoMotion& motion_;
+  std::function<void(const std::string&)> warn_;
+  /// The scan nearest to `time`, or null.
+  static const Scan* nearest(const std::deque<Scan>& scans, const ros::Time& time, double max_age);
+
+  std::map<std::pair<std::string, std::string>, std::deque<Scan>> scans_;  // by frame and topic
+};
+
+}  // namespace radar_dot

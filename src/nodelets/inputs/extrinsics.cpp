@@ -1,0 +1,44 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nodelets/inputs/extrinsics.h"
+
+#include <utility>
+
+namespace radar_dot {
+namespace {
+
+// tf2 knows no leading slash; drivers from the days of tf still send it.
+std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
+}  // namespace
+
+Eigen::Isometry3d isometryOf(const geometry_msgs::Transform& transform) {
+  const geometry_msgs::Quaternion& q = transform.rotation;
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  result.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  result.translation() << transform.translation.x, transform.translation.y, transform.translation.z;
+  return result;
+}
+
+Extrinsics::Extrinsics(std::string base_frame, const ros::NodeHandle& handle)
+    : base_frame_(withoutSlash(base_frame)), listener_(buffer_, handle, true) {}
+
+std::optional<Eigen::Isometry3d> Extrinsics::lookup(const std::string& sensor_frame, std::string& error) {
+  const std::string frame = withoutSlash(sensor_frame);
+  if (frame == base_frame_) return Eigen::Isometry3d::Identity();
+  try {
+    const Eigen::Isometry3d mount =
+        isometryOf(buffer_.lookupTransform(base_frame_, frame, ros::Time(0)).transform);
+    last_[frame] = mount;
+    return mount;
+  } catch (const tf2::TransformException& exception) {
+    const auto known = last_.find(frame);
+    if (known != last_.end()) return known->second;
+    error = "no transform from '" + frame + "' to '" + base_frame_ + "': " + exception.what();
+    return std::nullopt;
+  }
+}
+
+}  // namespace radar_dot

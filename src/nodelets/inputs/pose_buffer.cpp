@@ -1,0 +1,69 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nodelets/inputs/pose_buffer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace radar_dot {
+namespace {
+
+constexpr double kResetAfter = 1.0;  // s
+
+}  // namespace
+
+SampleOutcome PoseBuffer::add(const PoseSample& sample) {
+  SampleOutcome outcome = SampleOutcome::kAdded;
+  if (!samples_.empty() && sample.time <= samples_.back().time) {
+    if (samples_.back().time - sample.time <= kResetAfter) return SampleOutcome::kStale;
+    samples_.clear();
+    outcome = SampleOutcome::kReset;
+  }
+  samples_.push_back(sample);
+  while (samples_.size() > capacity_ || sample.time - samples_.front().time > duration_) samples_.pop_front();
+  return outcome;
+}
+
+std::optional<PoseSample> PoseBuffer::at(double time) const {
+  const auto after = std::lower_bound(samples_.begin(), samples_.end(), time,
+                                      [](const PoseSample& sample, double t) { return sample.time < t; });
+  if (after == samples_.end()) return std::nullopt;
+  if (after->time == time) return *after;
+  if (after == samples_.begin()) return std::nullopt;
+  const PoseSample& before = *std::prev(after);
+  const double gap = after->time - before.time;
+  if (gap > max_gap_) return std::nullopt;
+  const double share = (time - before.time) / gap;
+  PoseSample result;
+  result.time = time;
+  result.rotation = before.rotation.slerp(share, after->rotation);
+  result.position = (1.0 - share) * before.position + share * after->position;
+  return result;
+}
+
+std::optional<double> PoseBuffer::latest() const {
+  if (samples_.empty()) return std::nullopt;
+  return samples_.back().time;
+}
+
+bool YawIntegrator::add(double time, double yaw_rate) {
+  const bool restarted = !started_ || time - time_ > max_gap_;
+  yaw_ = restarted ? 0.0 : yaw_ + 0.5 * (yaw_rate_ + yaw_rate) * (time - time_);
+  started_ = true;
+  time_ = time;
+  yaw_rate_ = yaw_rate;
+  return restarted;
+}
+
+void YawIntegrator::reset() {
+  started_ = false;
+  yaw_ = 0.0;
+}
+
+Eigen::Quaterniond headingOf(const Eigen::Quaterniond& rotation) {
+  const Eigen::Vector3d forward = rotation * Eigen::Vector3d::UnitX();
+  return Eigen::Quaterniond(
+      Eigen::AngleAxisd(std::atan2(forward.y(), forward.x()), Eigen::Vector3d::UnitZ()));
+}
+
+}  // namespace radar_dot

@@ -1,0 +1,56 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nav_msgs/Odometry.h>
+#include <ros/ros.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "nodelets/inputs/extrinsics.h"
+#include "nodelets/inputs/pose_buffer.h"
+#include "radar_dot/config/sections.h"
+
+namespace radar_dot {
+
+/// Where the odometry takes its rotation from.
+class RotationSource {
+ public:
+  /// Told about the source by the one who uses it.
+  struct Callbacks {
+    std::function<void()> arrival;    ///< a message came, before it is looked at
+    std::function<void()> sample;     ///< a new sample is there
+    std::function<void()> restarted;  ///< rotations from here on do not compare with those before
+    std::function<void(const std::string&)> warn;
+  };
+
+  virtual ~RotationSource() = default;
+
+  /// Pose of the base frame in the source's own frame; none: not known, or not yet.
+  virtual std::optional<PoseSample> at(const ros::Time& stamp) = 0;
+  /// Time of the latest sample, s; none: nothing received.
+  virtual std::optional<double> latest() const = 0;
+  virtual void reset() = 0;
+  /// True where rotations before and after a silence compare with each other.
+  virtual bool isAbsolute() const = 0;
+  /// True where samples have a position.
+  virtual bool hasPosition() const = 0;
+  /// Frame that samples with a position are given in; empty: not known (yet).
+  virtual std::string frame() const = 0;
+  /// One line for logs: what the source listens to.
+  virtual std::string describe() const = 0;
+};
+
+/// The pose of a message. @throws std::invalid_argument where it has no unit quaternion or is not finite.
+PoseSample poseOf(const nav_msgs::Odometry& odometry);
+
+/// The source that the parameters name; none: the twist's own yaw rate.
+/// @throws InvalidParameter for a tf without a frame of its own
+std::unique_ptr<RotationSource> makeRotationSource(const RotationParams& params, ros::NodeHandle& handle,
+                                                   Extrinsics& extrinsics,
+                                                   RotationSource::Callbacks callbacks);
+
+}  // namespace radar_dot

@@ -1,0 +1,92 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nodelets/messages/cloud_conversion.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+namespace radar_dot {
+namespace {
+
+bool hostIsBigEndian() {
+  const std::uint16_t probe = 0x0100;
+  std::uint8_t first = 0;
+  std::memcpy(&first, &probe, 1);
+  return first == 1;
+}
+
+sensor_msgs::PointField floatField(const sensor_msgs::PointCloud2& cloud, const std::string& name,
+                                   std::uint32_t offset) {
+  const bool taken =
+      std::any_of(cloud.fields.begin(), cloud.fields.end(),
+                  [&name](const sensor_msgs::PointField& field) { return field.name == name; });
+  sensor_msgs::PointField field;
+  field.name = taken ? "ego_" + name : name;
+  field.offset = offset;
+  field.datatype = sensor_msgs::PointField::FLOAT32;
+  field.count = 1;
+  return field;
+}
+
+}  // namespace
+
+PointCloudView viewOf(const sensor_msgs::PointCloud2& cloud, std::vector<PointField>& fields) {
+  fields.clear();
+  for (const sensor_msgs::PointField& field : cloud.fields) {
+    fields.push_back({field.name, field.offset, static_cast<ScalarType>(field.datatype), field.count});
+  }
+  const PointCloudView view{&fields,     cloud.data.data(), cloud.point_step,
+                            cloud.width, cloud.height,      cloud.row_step};
+  if (view.size() == 0) return view;
+
+  if ((cloud.is_bigendian != 0) != hostIsBigEndian()) {
+    throw std::invalid_argument(
+        "its data are in the other byte order (is_bigendian); convert them in the driver");
+  }
+  if (cloud.point_step == 0) throw std::invalid_argument("its point_step is 0");
+  const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
+  // Drivers of unorganised clouds often leave row_step at 0; with one row it is not needed.
+  if (cloud.height > 1 && cloud.row_step < row) {
+    throw std::invalid_argument("its row_step of " + std::to_string(cloud.row_step) +
+                                " is less than width * point_step = " + std::to_string(row));
+  }
+  const std::uint64_t needed =
+      std::max(row, std::uint64_t{cloud.height} * (cloud.height > 1 ? cloud.row_step : row));
+  if (cloud.data.size() < needed) {
+    throw std::invalid_argument("it has " + std::to_string(cloud.data.size()) + " bytes of data where its " +
+                                std::to_string(view.size()) + " points need " + std::to_string(needed));
+  }
+  return view;
+}
+
+sensor_msgs::PointCloud2 labelledCloud(const sensor_msgs::PointCloud2& cloud, const PointCloudView& view,
+                                       const std::vector<DopplerReturn>& returns, const float* residuals,
+                                       const ReturnLabel* labels, ReturnLabel wanted) {
+  sensor_msgs::PointCloud2 result;
+  result.header = cloud.header;
+  result.height = 1;
+  result.width = static_cast<std::uint32_t>(std::count(labels, labels + returns.size(), wanted));
+  result.fields = cloud.fields;
+  result.fields.push_back(floatField(cloud, "doppler", cloud.point_step));
+  result.fields.push_back(floatField(cloud, "residual", cloud.point_step + sizeof(float)));
+  result.is_bigendian = cloud.is_bigendian;
+  result.is_dense = cloud.is_dense;
+  result.point_step = cloud.point_step + 2 * sizeof(float);
+  result.row_step = result.point_step * result.width;
+  result.data.resize(result.row_step);
+
+  std::uint8_t* out = result.data.data();
+  for (std::size_t i = 0; i < returns.size(); ++i) {
+    if (labels[i] != wanted) continue;
+    std::memcpy(out, view.point(returns[i].index), cloud.point_step);
+    std::memcpy(out + cloud.point_step, &returns[i].doppler, sizeof(float));
+    std::memcpy(out + cloud.point_step + sizeof(float), &residuals[i], sizeof(float));
+    out += result.point_step;
+  }
+  return result;
+}
+
+}  // namespace radar_dot
