@@ -55,19 +55,14 @@ void evaluatePair(SceneImages& images, const ImagePair& pair, const FlowEvaluati
                   FlowReport& report) {
   images.begin(pair);
   const dataset::SampleData& first = images.reading(pair.first);
-  MotionInput input;
-  input.camera = images.gridOf(pair.first);
-  if (isExpected(options)) {
-    input.T_current_from_previous = staticPointMotion(images.mountOf(first), images.trueMotion(pair));
-    input.depth = images.depthOf(pair.first);
-  }
+  if (isExpected(options)) images.depthOf(pair.first);  // read before the time counts, as the images
   const bool is_estimated = !fileSourceOf(options.optical_flow.flow.backend);
   if (is_estimated) {
-    images.imageOf(pair.first);  // read before the time counts
+    images.imageOf(pair.first);
     images.imageOf(pair.second);
   }
   const Clock::time_point start = Clock::now();
-  const FlowField field = images.flowOf(pair, input);
+  const FlowField field = images.flowOf(pair, images.trueMotion(pair));
   if (is_estimated) report.seconds.push_back(secondsSince(start));
   report.errors.add(field, images.trueFlow(pair), images.trueMovers(pair.first),
                     cv::Size(first.width, first.height));

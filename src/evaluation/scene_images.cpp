@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "radar_dot/vision/rigid_motion.h"
 #include "segmentation_images.h"
 
 namespace radar_dot::evaluation {
@@ -104,8 +105,8 @@ cv::Mat SceneImages::trueMovers(Index row) const {
   return resizeNearest(readGrey(truthFile("motion", row)), sizeOf(row));
 }
 
-FlowField SceneImages::flowOf(const ImagePair& pair, const MotionInput& input) {
-  const cv::Size size(input.camera.width, input.camera.height);
+FlowField SceneImages::flowOf(const ImagePair& pair, const Eigen::Isometry3d& T_first_from_second) {
+  const cv::Size size = sizeOf(pair.first);
   if (file_source_ == FileSource::kGroundTruth) return trueFlow(pair);
   FlowField field;
   if (file_source_) {
@@ -114,8 +115,11 @@ FlowField SceneImages::flowOf(const ImagePair& pair, const MotionInput& input) {
     return {resizeFlow(field.flow, size), resizeNearest(field.valid, size)};
   }
   cv::Mat expected;
-  if (options_.optical_flow.flow.initialisation == FlowStart::kExpected)
-    expected = expectedFlow(input.camera, input.T_current_from_previous, input.depth);
+  if (options_.optical_flow.flow.initialisation == FlowStart::kExpected) {
+    expected =
+        expectedFlow(gridOf(pair.first), staticPointMotion(mountOf(reading(pair.first)), T_first_from_second),
+                     depthOf(pair.first));
+  }
   field = flow_->compute(imageOf(pair.first), imageOf(pair.second), expected);
   if (field.flow.size() == size) return field;
   if (!field.valid.empty()) field.valid = resizeNearest(field.valid, size);

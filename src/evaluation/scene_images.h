@@ -41,9 +41,10 @@ class SceneImages : public SceneDepths {
 
   /// Motion of the base over the pair: its pose at the end, in its frame at the begin.
   Eigen::Isometry3d trueMotion(const ImagePair& pair) const;
-  /// Flow by the backend of the options. @param input  with camera, motion and depth
+  /// Flow by the backend of the options. @param T_first_from_second  motion of the base, for initialisation
+  /// "expected"
   /// @throws dataset::DatasetError naming what is missing or wrong.
-  FlowField flowOf(const ImagePair& pair, const MotionInput& input);
+  FlowField flowOf(const ImagePair& pair, const Eigen::Isometry3d& T_first_from_second);
   /// True flow of a simulated dataroot; what the second image does not show is not valid.
   const FlowField& trueFlow(const ImagePair& pair);
   /// 255 where an image of a simulated dataroot shows what moves independently, else 0: CV_8UC1, on the grid.

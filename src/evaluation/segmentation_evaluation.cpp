@@ -16,7 +16,6 @@
 
 #include "creeping_actors.h"
 #include "mask_feedback.h"
-#include "radar_dot/vision/motion_history.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "radar_scene.h"
 #include "scene_images.h"
@@ -34,6 +33,13 @@ constexpr double kVelocityStep = 0.08;  // s between the velocities that are ave
 constexpr std::uint8_t kCounts = 0;     // values of the ignore image
 constexpr std::uint8_t kIgnored = 255;
 
+/// As of the nodelet. The ground is refined where the depth shows it.
+MaskPipelineParams pipelineParams(const SegmentationEvaluationOptions& options) {
+  MaskPipelineParams params = options.segmentation;
+  params.refine_ground = params.refine_ground && options.depth.depth.backend == kRadarGroundBackend;
+  return params;
+}
+
 /// Runs one scene.
 class SceneRunner {
  public:
@@ -43,7 +49,7 @@ class SceneRunner {
         radar_(loadRadarScene(tables, scene, options.radar_channels, options.ego_velocity)),
         images_(tables, radar_, options),
         estimator_(options.ego_velocity.estimator),
-        segmenter_(options.segmentation.motion),
+        pipeline_(pipelineParams(options)),
         feedback_(options.ego_velocity) {
     if (options.min_true_residual > 0.0) creeping_.emplace(tables, scene);
   }
@@ -53,28 +59,14 @@ class SceneRunner {
  private:
   struct Velocity {
     Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
-    // m, base frame, nearest to the begin
-    std::vector<Eigen::Vector3f> dynamic_points, static_points;
-  };
-  /// All that a mask needs of a pair.
-  struct Prepared {
-    ImagePair pair;
-    MotionInput input;
-    FlowField backward;  // with look_back or memory
-    double seconds = 0.0;
+    std::vector<CloudPoint> dynamic_points, static_points;  // nearest to the begin
   };
   std::vector<RadarScan> scansAt(double time);
   std::optional<Velocity> velocityOf(double begin, double end);
-  std::optional<Eigen::Isometry3d> motionOf(const ImagePair& pair, MotionInput& input, Mean& velocity_error);
-  void refine(const ImagePair& pair, MotionInput& input);
-  std::optional<Prepared> prepare(const ImagePair& pair, Mean& velocity_error);
-  std::optional<MotionInput> lookBack(const Prepared& prepared);
-  cv::Mat segment(Prepared& prepared);
-  bool needsBackwardFlow() const { return segmentation().look_back || segmentation().memory > 0.0; }
+  std::optional<Eigen::Isometry3d> motionOf(const ImagePair& pair, MaskPair& input, Mean& velocity_error);
+  std::optional<MaskPair> prepare(const ImagePair& pair, Mean& velocity_error, FlowField& backward);
+  std::optional<MaskOutcome> process(const ImagePair& pair, SegmentationReport& report);
   const DynamicSegmentationConfig& segmentation() const { return options_.segmentation; }
-  double secondsBetween(const ImagePair& pair) const {
-    return secondsOf(images_.reading(pair.second)) - secondsOf(images_.reading(pair.first));
-  }
   void remember(const ImagePair& pair, const cv::Mat& mask, const CameraIntrinsics& grid);
   cv::Mat ignoredOf(const ImagePair& pair, const CameraIntrinsics& grid, double pixel_scale);
 
@@ -83,13 +75,12 @@ class SceneRunner {
   RadarScene radar_;
   SceneImages images_;
   EgoVelocityEstimator estimator_;
-  MotionSegmenter segmenter_;
+  MaskPipeline pipeline_;
   std::optional<CreepingActors> creeping_;  // with min_true_residual
   MaskFeedback feedback_;
   std::optional<StampedMask> latest_mask_;
   std::optional<StampedVelocity> latest_velocity_;
-  std::optional<Prepared> latest_;  // with the flow back
-  cv::Mat latest_log_odds_;         // at its first image
+  ImagePair latest_;  // that the pipeline has seen
 };
 
 /// The scans nearest to a time, and what the latest mask says of them. Pairs come in time order, so that it
@@ -127,14 +118,10 @@ std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, doubl
     for (std::size_t scan = 0; scan < scans.size(); ++scan) {
       for (std::size_t k = 0; k < scans[scan].returns->size(); ++k) {
         const std::size_t index = result.offsets[scan] + k;
-        // Returns that only a mask called dynamic must not confirm that mask.
-        const bool own_motion =
-            std::abs(static_cast<double>(result.residuals[index])) >= segmentation().radar_min_residual;
-        const Eigen::Vector3f position =
-            positionOf((*scans[scan].returns)[k], scans[scan].T_base_from_sensor);
-        if (result.labels[index] == ReturnLabel::kStatic) mean.static_points.push_back(position);
-        if (result.labels[index] == ReturnLabel::kDynamic && own_motion)
-          mean.dynamic_points.push_back(position);
+        const CloudPoint point{positionOf((*scans[scan].returns)[k], scans[scan].T_base_from_sensor),
+                               result.residuals[index]};
+        if (result.labels[index] == ReturnLabel::kStatic) mean.static_points.push_back(point);
+        if (result.labels[index] == ReturnLabel::kDynamic) mean.dynamic_points.push_back(point);
       }
     }
   }
@@ -151,7 +138,7 @@ void SceneRunner::remember(const ImagePair& pair, const cv::Mat& mask, const Cam
   latest_mask_ = {secondsOf(first), mask, grid, images_.mountOf(first).inverse()};
 }
 
-std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, MotionInput& input,
+std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, MaskPair& input,
                                                        Mean& velocity_error) {
   const dataset::SampleData& first = images_.reading(pair.first);
   const double begin = secondsOf(first);
@@ -170,26 +157,13 @@ std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, Mo
     const Eigen::Vector3d true_velocity = radar_.truth.meanVelocity(begin, end);
     velocity_error.add((velocity->linear - true_velocity).head<2>().norm());
   }
-  const Eigen::Isometry3f T_camera_from_base = images_.mountOf(first).inverse().cast<float>();
-  for (const Eigen::Vector3f& point : velocity->dynamic_points)
-    input.dynamic_points.emplace_back(T_camera_from_base * point);
-  for (const Eigen::Vector3f& point : velocity->static_points)
-    input.static_points.emplace_back(T_camera_from_base * point);
+  input.dynamic_points = velocity->dynamic_points;
+  input.static_points = velocity->static_points;
   Eigen::Isometry3d motion = options_.rotation == RotationSource::kGroundTruth
                                  ? baseMotionWithRotation(velocity->linear, truth.linear(), end - begin)
                                  : baseMotion(velocity->linear, velocity->angular, end - begin);
   if (options_.velocity == VelocitySource::kGroundTruth) motion.translation() = truth.translation();
   return motion;
-}
-
-/// Motion, its covariance, and where depth shows the ground, both depths.
-void SceneRunner::refine(const ImagePair& pair, MotionInput& input) {
-  std::optional<GroundPlane> ground;
-  const bool draws_ground = options_.depth.depth.backend == kRadarGroundBackend;
-  if (segmentation().refine_ground && draws_ground)
-    ground = GroundPlane{images_.mountOf(images_.reading(pair.first)), segmentation().ground};
-  refineInput(input, ground, segmentation().motion.max_depth, segmentation().motion.noise,
-              segmentation().refinement);
 }
 
 /// Movers whose true flow hardly differs from that of a static world, or that the other image does not show.
@@ -232,83 +206,53 @@ void count(const cv::Mat& mask, const cv::Mat& truth, const cv::Mat& ignored, co
 }
 
 /// None where the velocity is not known.
-std::optional<SceneRunner::Prepared> SceneRunner::prepare(const ImagePair& pair, Mean& velocity_error) {
+std::optional<MaskPair> SceneRunner::prepare(const ImagePair& pair, Mean& velocity_error,
+                                             FlowField& backward) {
   images_.begin(pair);
-  Prepared prepared{pair, {}, {}, 0.0};
-  MotionInput& input = prepared.input;
+  const dataset::SampleData& first = images_.reading(pair.first);
+  MaskPair input;
+  input.first_time = secondsOf(first);
+  input.second_time = secondsOf(images_.reading(pair.second));
   input.camera = images_.gridOf(pair.first);
-  input.pixel_scale = static_cast<double>(images_.reading(pair.first).width) / input.camera.width;
+  input.pixel_scale = static_cast<double>(first.width) / input.camera.width;
+  input.T_base_from_camera = images_.mountOf(first);
+  input.motion_uncertainty = segmentation().motion_uncertainty;
   const std::optional<Eigen::Isometry3d> motion = motionOf(pair, input, velocity_error);
   if (!motion) return std::nullopt;
-  const Eigen::Isometry3d& T_base_from_camera = images_.mountOf(images_.reading(pair.first));
-  input.T_current_from_previous = staticPointMotion(T_base_from_camera, *motion);
+  input.T_first_from_second = *motion;
   input.depth = images_.depthOf(pair.first);
   input.next_depth = images_.depthOf(pair.second);
   if (segmentation().usesDepthUncertainty()) input.depth_std = images_.relativeStdOf(pair.first);
-  const FlowField field = images_.flowOf(pair, input);
-  input.flow = field.flow;
-  const bool by_uncertainty = segmentation().byUncertainty();
-  // The forward-backward error is noise to this score, and no reason to leave a pixel out.
-  if (by_uncertainty && !field.fb_error.empty()) {
-    input.fb_error = field.fb_error;
-  } else {
-    input.flow_valid = field.valid;
-  }
-  if (needsBackwardFlow()) prepared.backward = backwardField(field, options_.optical_flow.flow);
-  const auto start = std::chrono::steady_clock::now();
-  if (by_uncertainty || segmentation().refine) {
-    input.motion_covariance = cameraCovariance(
-        T_base_from_camera, baseMotionCovariance(segmentation().motion_uncertainty, secondsBetween(pair)));
-  }
-  if (segmentation().refine) refine(pair, input);
-  prepared.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return prepared;
+  input.flow = images_.flowOf(pair, *motion);
+  if (segmentation().usesBackwardFlow()) backward = backwardField(input.flow, options_.optical_flow.flow);
+  return input;
 }
 
-/// The first image of the pair, seen together with the previous image; none where there is none.
-std::optional<MotionInput> SceneRunner::lookBack(const Prepared& prepared) {
-  const std::optional<ImagePair> before = previousPair(tables_, prepared.pair, options_.pairs.pairs);
-  if (!before) return std::nullopt;
-  if (!latest_ || latest_->pair.first != before->first || latest_->pair.second != before->second) {
-    Mean not_counted;
-    latest_ = prepare(*before, not_counted);
-    latest_log_odds_.release();
-    images_.begin(prepared.pair);
-  }
-  if (!latest_) return std::nullopt;
-  return previousPairFromFirst(prepared.input, latest_->input, latest_->backward.flow,
-                               latest_->backward.fb_error);
-}
-
-cv::Mat SceneRunner::segment(Prepared& prepared) {
-  std::optional<MotionInput> before;
-  if (segmentation().look_back) before = lookBack(prepared);
+std::optional<MaskOutcome> SceneRunner::process(const ImagePair& pair, SegmentationReport& report) {
+  FlowField backward;
+  const std::optional<MaskPair> input = prepare(pair, report.velocity_error, backward);
+  latest_ = pair;
+  if (!input) return std::nullopt;
   const auto start = std::chrono::steady_clock::now();
-  if (segmentation().memory > 0.0 && latest_ && latest_->pair.second == prepared.pair.first &&
-      !latest_log_odds_.empty()) {
-    const double share = forgetting(secondsBetween(latest_->pair), segmentation().memory);
-    prepared.input.belief = carriedBelief(latest_log_odds_, latest_->backward.flow, share);
-  }
-  const MotionResult& result = segmenter_.segment(prepared.input, before ? &*before : nullptr);
-  if (segmentation().memory > 0.0) latest_log_odds_ = logOdds(result);
-  prepared.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return result.mask.clone();
+  MaskOutcome outcome = pipeline_.process(*input);
+  report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!backward.flow.empty()) pipeline_.addBackward(input->second_time, input->first_time, backward);
+  remember(pair, outcome.result.mask, input->camera);
+  return outcome;
 }
 
 void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, SegmentationReport& report) {
-  std::optional<Prepared> prepared = prepare(pair, report.velocity_error);
+  const std::optional<ImagePair> before =
+      segmentation().usesBackwardFlow() ? previousPair(tables_, pair, options_.pairs.pairs) : std::nullopt;
+  if (before && (latest_.first != before->first || latest_.second != before->second)) {
+    SegmentationReport not_counted;
+    process(*before, not_counted);
+  }
   const CameraIntrinsics grid = images_.gridOf(pair.first);
   ++report.frames;
-  cv::Mat mask;
-  if (prepared) {
-    mask = segment(*prepared);
-    report.seconds += prepared->seconds;
-    remember(pair, mask, grid);
-  } else {
-    ++report.without_motion;
-    mask = cv::Mat::zeros(grid.height, grid.width, CV_8UC1);
-  }
-  if (needsBackwardFlow()) latest_ = std::move(prepared);
+  const std::optional<MaskOutcome> outcome = process(pair, report);
+  if (!outcome) ++report.without_motion;
+  cv::Mat mask = outcome ? outcome->result.mask : cv::Mat::zeros(grid.height, grid.width, CV_8UC1);
   cv::Mat ignored, creeping;
   if (options_.min_true_residual > 0.0) {
     const double pixel_scale = static_cast<double>(images_.reading(pair.first).width) / grid.width;

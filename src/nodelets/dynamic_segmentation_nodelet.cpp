@@ -10,14 +10,10 @@
 #include <utility>
 
 #include "nodelets/inputs/twist_uncertainty.h"
-#include "nodelets/messages/refined_twist.h"
-#include "radar_dot/vision/motion_refinement.h"
-#include "radar_dot/vision/rigid_motion.h"
 
 namespace radar_dot {
 namespace {
 
-constexpr std::size_t kMaxWaiting = 4;   // flows; at 12 Hz a third of a second
 constexpr double kWaitingPeriod = 0.05;  // s, how often waiting flows are looked at
 
 }  // namespace
@@ -70,7 +66,7 @@ void DynamicSegmentationNodelet::connect() {
       listen<Flow>(*flow_input_, "flow", 3, [this](const FlowConstPtr& flow) { onFlow(flow); });
   depth_subscriber_ =
       listen<sensor_msgs::Image>(*depth_input_, "depth", 5, [this](const sensor_msgs::ImageConstPtr& depth) {
-        depths_.add(depth);
+        waiting_.addDepth(depth);
         processQueue();
       });
   camera_subscriber_ = listenToCamera(*camera_input_, camera_);
@@ -91,8 +87,7 @@ void DynamicSegmentationNodelet::disconnect() {
 }
 
 void DynamicSegmentationNodelet::apply(const DynamicSegmentationConfig& config) {
-  if (!sameFields(segmenter_.params(), config.motion)) segmenter_ = MotionSegmenter(config.motion);
-  if (!sameEvidence(config_, config)) history_.clear();
+  pipeline_.configure(config);
   config_ = config;
   updateSubscriptions();
 }
@@ -121,10 +116,12 @@ void DynamicSegmentationNodelet::updateRadarSubscription(InputMonitor& input, ro
 
 void DynamicSegmentationNodelet::updateBackwardSubscription() {
   const bool listening = static_cast<bool>(backward_subscriber_);
-  const bool wanted = connected() && (config_.looksBack() || config_.remembers());
+  const bool wanted = connected() && config_.usesBackwardFlow();
   if (wanted && !listening) {
-    backward_subscriber_ = listen<Flow>(*backward_input_, "flow/backward", 3,
-                                        [this](const FlowConstPtr& flow) { history_.addBackward(flow); });
+    backward_subscriber_ =
+        listen<Flow>(*backward_input_, "flow/backward", 3, [this](const FlowConstPtr& flow) {
+          pipeline_.addBackward(flow->header.stamp.toSec(), flow->second_stamp.toSec(), flowOf(*flow));
+        });
   } else if (!wanted && listening) {
     stop(*backward_input_, backward_subscriber_);
   }
@@ -134,20 +131,18 @@ void DynamicSegmentationNodelet::updateUncertaintySubscription() {
   const bool listening = static_cast<bool>(depth_std_subscriber_);
   const bool wanted = connected() && config_.usesDepthUncertainty();
   if (wanted && !listening) {
-    depth_std_subscriber_ =
-        listen<sensor_msgs::Image>(*depth_std_input_, "depth/uncertainty", 5,
-                                   [this](const sensor_msgs::ImageConstPtr& std) { depth_stds_.add(std); });
+    depth_std_subscriber_ = listen<sensor_msgs::Image>(
+        *depth_std_input_, "depth/uncertainty", 5,
+        [this](const sensor_msgs::ImageConstPtr& std) { waiting_.addDepthStd(std); });
   } else if (!wanted && listening) {
     stop(*depth_std_input_, depth_std_subscriber_);
-    depth_stds_.clear();
+    waiting_.clearDepthStds();
   }
 }
 
 void DynamicSegmentationNodelet::clearHistory() {
   waiting_.clear();
-  history_.clear();
-  depths_.clear();
-  depth_stds_.clear();
+  pipeline_.clear();
   motion_->forget();
   static_returns_->clear();
   dynamic_returns_->clear();
@@ -171,97 +166,64 @@ void DynamicSegmentationNodelet::onFlow(const FlowConstPtr& flow) {
   if (flow->second_stamp.isZero() || flow->second_stamp == flow->header.stamp) {
     throw std::invalid_argument("second_stamp: it must be given, and differ from the stamp of the header");
   }
-  waiting_.push_back({flow, ros::WallTime::now(), {}, {}});
+  waiting_.addFlow(flow, momentNow());
   processQueue();
 }
 
 void DynamicSegmentationNodelet::processQueue() {
-  while (!waiting_.empty()) {
-    WaitingFlow& front = waiting_.front();
+  const WaitingPairs::Needs needs{config_.usesNextDepth(), config_.usesDepthUncertainty(),
+                                  config_.input_timeout, depth_input_->topic()};
+  for (;;) {
     Inputs inputs;
-    std::string missing;
-    Availability availability = Availability::kImpossible;
+    std::optional<WaitingPairs::Taken> taken =
+        waiting_.take(needs, momentNow(), [&](const WaitingPairs::Pair& messages, double waited) {
+          return findMotion(messages, waited, inputs);
+        });
+    if (!taken) return;
+    if (!taken->missing.empty()) {
+      drop(taken->missing);
+      continue;
+    }
+    inputs.messages = std::move(taken->item);
     try {
-      availability = gather(front, inputs, missing);
-      const bool within_timeout = (ros::WallTime::now() - front.arrival).toSec() < config_.input_timeout;
-      if (availability == Availability::kPending && within_timeout && waiting_.size() <= kMaxWaiting) return;
-      waiting_.pop_front();
-      if (availability == Availability::kComplete) {
-        segment(inputs);
-      } else {
-        drop(missing);
-      }
+      placeOnGrid(inputs);
+      addRadarPoints(inputs);
+      segment(inputs);
     } catch (const std::exception& error) {
       // A flow that does not fit must not block those behind it.
-      if (!waiting_.empty() && waiting_.front().message == inputs.flow) waiting_.pop_front();
       drop(error.what());
     }
   }
 }
 
-DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gatherDepths(WaitingFlow& waiting,
-                                                                                  std::string& missing) {
-  const ros::Time first = waiting.message->header.stamp;
-  const ros::Time second = waiting.message->second_stamp;
-  if (!waiting.depth) waiting.depth = depths_.find(first);
-  if (!waiting.depth) {
-    missing = "no depth on '" + depth_input_->topic() + "' at the time of the flow's first image";
-    return depths_.isPast(first) ? Availability::kImpossible : Availability::kPending;
-  }
-  if (!config_.usesNextDepth()) return Availability::kComplete;
-  if (!waiting.next_depth) waiting.next_depth = depths_.find(second);
-  if (waiting.next_depth || depths_.isPast(second)) return Availability::kComplete;
-  missing = "no depth on '" + depth_input_->topic() + "' at the time of the flow's second image";
-  // The flow alone can tell as well.
-  const bool within_timeout = (ros::WallTime::now() - waiting.arrival).toSec() < config_.input_timeout;
-  return within_timeout && waiting_.size() <= kMaxWaiting ? Availability::kPending : Availability::kComplete;
-}
-
-DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gather(WaitingFlow& waiting,
-                                                                            Inputs& inputs,
-                                                                            std::string& missing) {
-  inputs.flow = waiting.message;
-  const Availability depths = gatherDepths(waiting, missing);
-  if (depths != Availability::kComplete) return depths;
-  inputs.depth = waiting.depth;
-  inputs.next_depth = waiting.next_depth;
-  // It is sent just before its depth, so that it is there or lost.
-  if (config_.usesDepthUncertainty()) inputs.depth_std = depth_stds_.find(inputs.flow->header.stamp);
-  if (!camera_) {
-    missing = "nothing on '" + camera_input_->topic() + "' yet";
-    return Availability::kPending;
-  }
+std::string DynamicSegmentationNodelet::findMotion(const WaitingPairs::Pair& messages, double waited,
+                                                   Inputs& inputs) {
+  if (!camera_) return "nothing on '" + camera_input_->topic() + "' yet";
+  const Flow& flow = *messages.flow;
+  std::string missing;
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
-      extrinsics_->lookup(inputs.flow->header.frame_id, missing);
-  if (!T_base_from_camera) return Availability::kPending;
-  const bool within_timeout = (ros::WallTime::now() - waiting.arrival).toSec() <
-                                  std::min(config_.rotation_timeout, config_.input_timeout) &&
-                              waiting_.size() <= kMaxWaiting;
-  const EgoMotion::Answer motion = motion_->between(inputs.flow->header.stamp, inputs.flow->second_stamp,
-                                                    config_.max_twist_age, within_timeout);
-  if (!motion.T_begin_from_end) {
-    missing = "no motion of the vehicle from '" + twist_input_->topic() + "': " + motion.missing;
-    return Availability::kPending;
-  }
+      extrinsics_->lookup(flow.header.frame_id, missing);
+  if (!T_base_from_camera) return missing;
+  const EgoMotion::Answer motion = motion_->between(flow.header.stamp, flow.second_stamp,
+                                                    config_.max_twist_age, waited < config_.rotation_timeout);
+  if (!motion.T_begin_from_end)
+    return "no motion of the vehicle from '" + twist_input_->topic() + "': " + motion.missing;
   inputs.without_rotation = motion.without_rotation;
-  inputs.T_base_from_camera = *T_base_from_camera;
-  inputs.motion.T_current_from_previous = staticPointMotion(*T_base_from_camera, *motion.T_begin_from_end);
-  if (config_.byUncertainty() || config_.refine) {
-    const double dt = (inputs.flow->second_stamp - inputs.flow->header.stamp).toSec();
-    const bool has_rotation = motion_->hasRotation() && !motion.without_rotation;
-    const MotionUncertainty uncertainty =
-        motionUncertainty(config_.motion_uncertainty, motion_->latestCovariance(), has_rotation);
-    inputs.motion.motion_covariance =
-        cameraCovariance(*T_base_from_camera, baseMotionCovariance(uncertainty, std::abs(dt)));
-  }
-  placeOnGrid(inputs);
-  addRadarPoints(inputs);
-  return Availability::kComplete;
+  MaskPair& pair = inputs.pair;
+  pair.first_time = flow.header.stamp.toSec();
+  pair.second_time = flow.second_stamp.toSec();
+  pair.T_base_from_camera = *T_base_from_camera;
+  pair.T_first_from_second = *motion.T_begin_from_end;
+  const bool has_rotation = motion_->hasRotation() && !motion.without_rotation;
+  pair.motion_uncertainty =
+      motionUncertainty(config_.motion_uncertainty, motion_->latestCovariance(), has_rotation);
+  return {};
 }
 
 void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
-  const Flow& flow = *inputs.flow;
-  MotionInput& motion = inputs.motion;
+  const WaitingPairs::Pair& messages = inputs.messages;
+  const Flow& flow = *messages.flow;
+  MaskPair& pair = inputs.pair;
   const CameraIntrinsics camera = cameraOf(*camera_);
   const cv::Size image(camera.width, camera.height);
   if (flow.image_width != camera_->width || flow.image_height != camera_->height) {
@@ -270,17 +232,10 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
                                 " px, camera_info on '" + camera_input_->topic() + "' of " + sizeText(image) +
                                 " px");
   }
-  const FlowField field = radar_dot::flowOf(flow);
-  const cv::Size grid = field.flow.size();
-  motion.flow = field.flow;
-  // The forward-backward error is noise to this score, and no reason to leave a pixel out.
-  if (config_.byUncertainty() && !field.fb_error.empty()) {
-    motion.fb_error = field.fb_error;
-  } else {
-    motion.flow_valid = field.valid;
-  }
-  motion.camera = camera.scaledTo(grid.width, grid.height);
-  motion.pixel_scale = static_cast<double>(image.width) / grid.width;
+  pair.flow = radar_dot::flowOf(flow);
+  const cv::Size grid = pair.flow.flow.size();
+  pair.camera = camera.scaledTo(grid.width, grid.height);
+  pair.pixel_scale = static_cast<double>(image.width) / grid.width;
   const auto place = [&](const cv::Mat& depth, const InputMonitor& input) {
     if (!isGridOf(depth.size(), image)) {
       throw std::invalid_argument("depth on '" + input.topic() + "' of " + sizeText(depth.size()) +
@@ -289,62 +244,32 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
     }
     return resizedNearest(depth, grid);
   };
-  motion.depth = place(radar_dot::depthOf(*inputs.depth), *depth_input_);
-  if (inputs.next_depth) motion.next_depth = place(radar_dot::depthOf(*inputs.next_depth), *depth_input_);
-  if (inputs.depth_std) motion.depth_std = place(depthStdOf(*inputs.depth_std), *depth_std_input_);
+  pair.depth = place(radar_dot::depthOf(*messages.depth), *depth_input_);
+  if (messages.next_depth) pair.next_depth = place(radar_dot::depthOf(*messages.next_depth), *depth_input_);
+  if (messages.depth_std) pair.depth_std = place(depthStdOf(*messages.depth_std), *depth_std_input_);
 }
 
 void DynamicSegmentationNodelet::addRadarPoints(Inputs& inputs) {
-  const ros::Time& stamp = inputs.flow->header.stamp;
-  const Eigen::Isometry3f T_camera_from_base = inputs.T_base_from_camera.inverse().cast<float>();
-  if (config_.motion.radar_gain > 0.0) {
-    for (const CloudPoint& point : dynamic_returns_->at(stamp, config_.radar_max_age)) {
-      // Returns that only a mask called dynamic must not confirm that mask. Without the field: all of them.
-      const bool own_motion = std::isnan(point.residual) ||
-                              std::abs(point.residual) >= static_cast<float>(config_.radar_min_residual);
-      if (own_motion) inputs.motion.dynamic_points.emplace_back(T_camera_from_base * point.position);
-    }
-  }
-  if (config_.motion.static_gain > 0.0) {
-    for (const CloudPoint& point : static_returns_->at(stamp, config_.radar_max_age))
-      inputs.motion.static_points.emplace_back(T_camera_from_base * point.position);
-  }
+  const ros::Time& stamp = inputs.messages.flow->header.stamp;
+  if (config_.motion.radar_gain > 0.0)
+    inputs.pair.dynamic_points = dynamic_returns_->at(stamp, config_.radar_max_age);
+  if (config_.motion.static_gain > 0.0)
+    inputs.pair.static_points = static_returns_->at(stamp, config_.radar_max_age);
 }
 
-void DynamicSegmentationNodelet::refine(Inputs& inputs) {
-  std::optional<GroundPlane> ground;
-  if (config_.refine_ground) ground = GroundPlane{inputs.T_base_from_camera, config_.ground};
-  refineInput(inputs.motion, ground, config_.motion.max_depth, config_.motion.noise, config_.refinement);
-  if (refined_publisher_.getNumSubscribers() > 0) {
-    refined_publisher_.publish(refinedTwist(inputs, inputs.T_base_from_camera, config_.stream.base_frame));
-  }
-}
-
-const MotionResult& DynamicSegmentationNodelet::maskOf(Inputs& inputs) {
-  std::optional<MotionInput> before;
-  if (config_.looksBack()) {
-    before = history_.previousPair(inputs);
-    if (!before) ++without_past_since_report_;
-  }
-  if (config_.remembers()) inputs.motion.belief = history_.beliefFor(inputs, config_.memory);
-  const MotionResult& result = segmenter_.segment(inputs.motion, before ? &*before : nullptr);
-  if (config_.looksBack() || config_.remembers()) history_.remember(inputs, result);
-  return result;
-}
-
-void DynamicSegmentationNodelet::segment(Inputs& inputs) {
+void DynamicSegmentationNodelet::segment(const Inputs& inputs) {
   if (isDistorted(*camera_)) {
     warn("camera", "camera_info on '" + camera_input_->topic() +
                        "' has distortion: the images must be rectified (image_proc)");
   }
   const ros::WallTime start = ros::WallTime::now();
-  if (config_.refine) refine(inputs);
-  const MotionResult& result = maskOf(inputs);
+  const MaskOutcome outcome = pipeline_.process(inputs.pair);
+  const MotionResult& result = outcome.result;
   computation_time_ = (ros::WallTime::now() - start).toSec();
-  publish(inputs, result);
+  publish(inputs, outcome);
+  if (config_.looksBack() && !outcome.looked_back) ++without_past_since_report_;
 
-  latency_ =
-      ros::Time::now().toSec() - std::max(inputs.flow->header.stamp, inputs.flow->second_stamp).toSec();
+  latency_ = ros::Time::now().toSec() - std::max(inputs.pair.first_time, inputs.pair.second_time);
   const auto total = static_cast<double>(result.mask.total());
   valid_share_ = static_cast<double>(result.valid_count) / total;
   mask_share_ = cv::countNonZero(result.mask) / total;
@@ -354,8 +279,8 @@ void DynamicSegmentationNodelet::segment(Inputs& inputs) {
   ++masks_;
   ++masks_since_report_;
   last_mask_ = ros::WallTime::now();
-  if (config_.usesNextDepth() && !inputs.next_depth) ++without_next_depth_since_report_;
-  if (config_.usesDepthUncertainty() && !inputs.depth_std) ++without_depth_std_since_report_;
+  if (config_.usesNextDepth() && !inputs.messages.next_depth) ++without_next_depth_since_report_;
+  if (config_.usesDepthUncertainty() && !inputs.messages.depth_std) ++without_depth_std_since_report_;
   if (inputs.without_rotation) {
     ++without_rotation_since_report_;
     warn("rotation", "no rotation at the stamps of the images from " + motion_->rotationText() +

@@ -4,18 +4,16 @@
 
 #include <image_transport/image_transport.h>
 
-#include <deque>
 #include <memory>
 #include <string>
 
 #include "nodelets/common/stream_nodelet.h"
 #include "nodelets/inputs/cloud_points.h"
 #include "nodelets/inputs/ego_motion.h"
-#include "nodelets/inputs/mask_history.h"
-#include "nodelets/inputs/stamp_cache.h"
+#include "nodelets/inputs/waiting_pairs.h"
 #include "nodelets/messages/image_messages.h"
 #include "radar_dot/config/sections.h"
-#include "radar_dot/vision/motion_segmentation.h"
+#include "radar_dot/vision/mask_pipeline.h"
 
 namespace radar_dot {
 
@@ -26,14 +24,10 @@ namespace radar_dot {
 /// stamp: the earlier image where flow runs forward (as in the paper), the later one where it runs backward.
 class DynamicSegmentationNodelet : public StreamNodelet {
  private:
-  struct WaitingFlow {
-    FlowConstPtr message;
-    ros::WallTime arrival;
-    sensor_msgs::ImageConstPtr depth, next_depth;  // as soon as they are there
-  };
-  /// Everything that goes with one flow.
-  struct Inputs : PairInputs {
-    Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();
+  /// Everything that goes with one flow; the messages own the pixels.
+  struct Inputs {
+    WaitingPairs::Pair messages;
+    MaskPair pair;
     bool without_rotation = false;  // of the source; the twists' own instead
   };
 
@@ -53,31 +47,23 @@ class DynamicSegmentationNodelet : public StreamNodelet {
 
   void onFlow(const FlowConstPtr& flow);
   void processQueue();
-  enum class Availability { kComplete, kPending, kImpossible };
-  /// What goes with a flow; what is missing is named in `missing`.
-  Availability gather(WaitingFlow& waiting, Inputs& inputs, std::string& missing);
-  /// The same for the two depths.
-  Availability gatherDepths(WaitingFlow& waiting, std::string& missing);
+  /// Where the camera was, and how it moved over a pair. @return what is missing
+  std::string findMotion(const WaitingPairs::Pair& messages, double waited, Inputs& inputs);
   /// @throws std::invalid_argument where grids do not go together
   void placeOnGrid(Inputs& inputs) const;
   void addRadarPoints(Inputs& inputs);
-  /// Motion, its covariance, and where depth shows the ground, both depths, by the image.
-  void refine(Inputs& inputs);
-  const MotionResult& maskOf(Inputs& inputs);
-  void segment(Inputs& inputs);
-  void publish(const Inputs& inputs, const MotionResult& result);
+  void segment(const Inputs& inputs);
+  void publish(const Inputs& inputs, const MaskOutcome& outcome);
   bool wanted() const;
   void drop(const std::string& reason);
 
   DynamicSegmentationConfig config_;  // in force
-  MotionSegmenter segmenter_;
+  MaskPipeline pipeline_;
   std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> static_returns_, dynamic_returns_;
-  StampCache<sensor_msgs::Image> depths_, depth_stds_;
-  MaskHistory history_;
+  WaitingPairs waiting_;
   sensor_msgs::CameraInfoConstPtr camera_;
-  std::deque<WaitingFlow> waiting_;
 
   InputMonitor *flow_input_ = nullptr, *depth_input_ = nullptr, *camera_input_ = nullptr,
                *twist_input_ = nullptr, *static_input_ = nullptr, *dynamic_input_ = nullptr,

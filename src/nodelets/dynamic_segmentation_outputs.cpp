@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "nodelets/dynamic_segmentation_nodelet.h"
+#include "nodelets/messages/refined_twist.h"
 
 namespace radar_dot {
 namespace {
@@ -28,10 +29,12 @@ cv::Mat residualOf(const cv::Mat& flow, const cv::Mat& expected) {
 
 }  // namespace
 
-void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MotionResult& result) {
-  const std_msgs::Header& header = inputs.flow->header;
-  const cv::Size image(static_cast<int>(inputs.flow->image_width),
-                       static_cast<int>(inputs.flow->image_height));
+void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MaskOutcome& outcome) {
+  const MotionResult& result = outcome.result;
+  const MotionInput& input = outcome.input;
+  const std_msgs::Header& header = inputs.messages.flow->header;
+  const cv::Size image(static_cast<int>(inputs.messages.flow->image_width),
+                       static_cast<int>(inputs.messages.flow->image_height));
   const cv::Size size = config_.full_size ? image : result.mask.size();
   if (mask_publisher_.getNumSubscribers() > 0)
     mask_publisher_.publish(imageMessage(header, "mono8", resizedNearest(result.mask, size)));
@@ -39,13 +42,18 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MotionResul
     valid_publisher_.publish(imageMessage(header, "mono8", resizedNearest(result.valid, size)));
   if (score_publisher_.getNumSubscribers() > 0)
     score_publisher_.publish(imageMessage(header, "32FC1", result.score));
+  if (config_.refine && refined_publisher_.getNumSubscribers() > 0) {
+    std_msgs::Header refined;
+    refined.stamp = std::max(header.stamp, inputs.messages.flow->second_stamp);
+    refined.frame_id = config_.stream.base_frame;
+    refined_publisher_.publish(refinedTwist(inputs.pair, input, refined));
+  }
   const bool wants_residual = residual_publisher_.getNumSubscribers() > 0;
   if (!wants_residual && expected_flow_publisher_.getNumSubscribers() == 0) return;
-  const cv::Mat expected =
-      expectedFlow(inputs.motion.camera, inputs.motion.T_current_from_previous, inputs.motion.depth);
+  const cv::Mat expected = expectedFlow(input.camera, input.T_current_from_previous, input.depth);
   expected_flow_publisher_.publish(imageMessage(header, "32FC2", expected));
   if (wants_residual)
-    residual_publisher_.publish(imageMessage(header, "32FC1", residualOf(inputs.motion.flow, expected)));
+    residual_publisher_.publish(imageMessage(header, "32FC1", residualOf(input.flow, expected)));
 }
 
 void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -116,7 +116,7 @@ void MovingObjectsNodelet::updateMaskSubscriptions() {
   });
   mask_subscriber_ =
       listenToImages(*mask_input_, "dynamic/mask",
-                     [this](const sensor_msgs::ImageConstPtr& image) { masks_.addMask(image); });
+                     [this](const sensor_msgs::ImageConstPtr& image) { masks_.addMask(image, momentNow()); });
 }
 
 void MovingObjectsNodelet::apply(const MovingObjectsConfig& config) {
@@ -252,7 +252,7 @@ bool MovingObjectsNodelet::useScan(const LabelledScan& scan, std::string& reason
 
 void MovingObjectsNodelet::processMasks() {
   std::string missing;
-  while (const std::optional<MaskMessages> messages = masks_.take(config_.mask_timeout, missing)) {
+  while (const std::optional<MaskMessages> messages = masks_.take(config_.mask_timeout, momentNow(), missing)) {
     std::string reason;
     try {
       if (useMask(*messages, reason)) {

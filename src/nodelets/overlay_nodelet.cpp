@@ -11,11 +11,10 @@
 namespace radar_dot {
 namespace {
 
-constexpr double kPeriod = 0.05;        // s, how often subscribers and waiting masks are looked at
-constexpr double kInputTimeout = 0.3;   // s that a mask waits for what belongs to it
-constexpr std::size_t kMaxWaiting = 4;  // masks
-constexpr double kKept = 2.0;           // s of images: as long as the other inputs are kept
-constexpr std::size_t kMaxKept = 40;    // images; raw ones are large
+constexpr double kPeriod = 0.05;       // s, how often subscribers and waiting masks are looked at
+constexpr double kInputTimeout = 0.3;  // s that a mask waits for what belongs to it
+constexpr double kKept = 2.0;          // s of images: as long as the other inputs are kept
+constexpr std::size_t kMaxKept = 40;   // images; raw ones are large
 constexpr double kPanelShape = 9.0 / 16.0;
 constexpr float kNearest = 0.1F;  // m; what is nearer to the camera's plane has no useful pixel
 
@@ -125,7 +124,7 @@ void OverlayNodelet::onMask(const sensor_msgs::ImageConstPtr& mask) {
   const ros::WallTime now = ros::WallTime::now();
   if (config_.max_rate > 0.0 && (now - last_drawn_).toSec() < 1.0 / config_.max_rate) return;
   last_drawn_ = now;
-  waiting_.push_back({mask, now});
+  waiting_.add(mask, momentNow());
   processQueue();
 }
 
@@ -156,20 +155,28 @@ std::string OverlayNodelet::missingOf(const Parts& parts) const {
 }
 
 void OverlayNodelet::processQueue() {
-  while (!waiting_.empty()) {
-    const WaitingMask mask = waiting_.front();
-    const Parts parts = partsAt(mask.message->header.stamp);
-    const std::string missing = missingOf(parts);
-    const bool within_timeout = (ros::WallTime::now() - mask.arrival).toSec() < kInputTimeout;
-    if (!missing.empty() && within_timeout && waiting_.size() <= kMaxWaiting) return;
-    waiting_.pop_front();
-    if (!missing.empty()) {
+  using Queue = WaitingQueue<sensor_msgs::ImageConstPtr>;
+  const auto lackOf = [this](const sensor_msgs::ImageConstPtr& mask, double) -> Queue::Lack {
+    return {missingOf(partsAt(mask->header.stamp))};
+  };
+  while (const std::optional<Queue::Taken> taken = waiting_.take(kInputTimeout, momentNow(), lackOf)) {
+    if (!taken->missing.empty()) {
       ++incomplete_since_report_;
-      missing_ = missing;
-      warn("missing", "nothing with the stamp of the mask on " + missing);
+      missing_ = taken->missing;
+      warn("missing", "nothing with the stamp of the mask on " + missing_);
     }
-    draw(mask.message, parts);
+    const ros::Time stamp = taken->item->header.stamp;
+    draw(taken->item, partsAt(stamp));
+    dropThrough(stamp);
   }
+}
+
+/// Masks come in the order of their stamps.
+void OverlayNodelet::dropThrough(const ros::Time& stamp) {
+  while (!images_.empty() && images_.front().stamp <= stamp) images_.pop_front();
+  for (StampCache<sensor_msgs::Image>* cache : {&valids_, &depths_, &expected_flows_})
+    cache->dropThrough(stamp);
+  flows_.dropThrough(stamp);
 }
 
 std::vector<RadarPixel> OverlayNodelet::radarPixels(const std_msgs::Header& header) {

@@ -12,6 +12,7 @@
 #include "nodelets/common/image_subscriber.h"
 #include "nodelets/inputs/cloud_points.h"
 #include "nodelets/inputs/stamp_cache.h"
+#include "nodelets/inputs/waiting_queue.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/vision/drawing.h"
 
@@ -23,10 +24,6 @@ namespace radar_dot {
 /// what has not come in time is missing in the picture.
 class OverlayNodelet : public ImageSubscriber {
  private:
-  struct WaitingMask {
-    sensor_msgs::ImageConstPtr message;
-    ros::WallTime arrival;
-  };
   /// What belongs to one stamp.
   struct Parts {
     std::shared_ptr<LazyImage> image;
@@ -51,6 +48,7 @@ class OverlayNodelet : public ImageSubscriber {
   void keepImage(LazyImage picture);
   void onMask(const sensor_msgs::ImageConstPtr& mask);
   void processQueue();
+  void dropThrough(const ros::Time& stamp);
   Parts partsAt(const ros::Time& stamp) const;
   std::string missingOf(const Parts& parts) const;
   void draw(const sensor_msgs::ImageConstPtr& mask, const Parts& parts);
@@ -64,7 +62,7 @@ class OverlayNodelet : public ImageSubscriber {
   StampCache<sensor_msgs::Image> valids_, depths_, expected_flows_;
   StampCache<Flow> flows_;
   sensor_msgs::CameraInfoConstPtr camera_;
-  std::deque<WaitingMask> waiting_;
+  WaitingQueue<sensor_msgs::ImageConstPtr> waiting_;
 
   InputMonitor *image_ = nullptr, *camera_input_ = nullptr, *mask_input_ = nullptr, *valid_input_ = nullptr,
                *depth_input_ = nullptr, *flow_input_ = nullptr, *expected_input_ = nullptr,

@@ -10,6 +10,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "exact_selection.h"
 #include "motion_images.h"
@@ -310,7 +311,7 @@ void requireImages(const MotionInput& input) {
 
 }  // namespace
 
-const MotionResult& MotionSegmenter::segment(const MotionInput& input, const MotionInput* before) {
+MotionResult MotionSegmenter::segment(const MotionInput& input, const MotionInput* before) {
   const CameraIntrinsics& camera = input.camera;
   requireInput(camera.width >= 2 && camera.height >= 2, "width of the camera's grid", camera.width,
                "2 px or more");
@@ -328,8 +329,6 @@ const MotionResult& MotionSegmenter::segment(const MotionInput& input, const Mot
 
   Workspace& work = *workspace_;
   MotionResult& result = work.result;
-  result.mad = 0.0;
-  result.scale = 1.0;
   result.median_depth = work.medianDepth(input, static_cast<float>(params_.max_depth));
   if (!input.dynamic_points.empty() || !input.static_points.empty()) work.drawFootprints(input, params_);
   const PassConstants pass(input, params_, result.median_depth);
@@ -337,7 +336,7 @@ const MotionResult& MotionSegmenter::segment(const MotionInput& input, const Mot
     result.median = work.score(input, pass, result.score);
     result.threshold = work.paperThreshold(params_);
     work.makeMask(params_, input.pixel_scale);
-    return result;
+    return std::exchange(result, {});
   }
   result.median = work.score(input, pass, result.score);
   result.scale = scaleOf(result.median, params_.min_scale);
@@ -351,7 +350,7 @@ const MotionResult& MotionSegmenter::segment(const MotionInput& input, const Mot
   result.threshold = result.scale * uncertainty_terms::chiThreshold(degrees, params_.false_alarm);
   if (!input.belief.empty()) work.addBelief(input.belief);
   work.makeMask(params_, input.pixel_scale);
-  return result;
+  return std::exchange(result, {});
 }
 
 }  // namespace radar_dot

@@ -4,13 +4,10 @@
 // What the nodelets decide by their configurations.
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <string>
-#include <vector>
 
 #include "nodelets/common/read_parameters.h"
 #include "nodelets/common/reconfigure_server.h"
-#include "nodelets/inputs/mask_history.h"
 #include "radar_dot/config/sections.h"
 
 namespace radar_dot {
@@ -21,38 +18,6 @@ TEST(FailsWithItsCalls, RqtAlone) {
     EXPECT_TRUE(failsWithItsCalls(node)) << node;
   for (const char* node : {"/dynparam_set_1", "/tuner", "/rqt_bag/recorder", "/my_rqt", "", "/"})
     EXPECT_FALSE(failsWithItsCalls(node)) << node;
-}
-
-TEST(SameEvidence, OnlyWhatChangesScoresEndsTheHistory) {
-  using Config = DynamicSegmentationConfig;
-  const std::vector<std::function<void(Config&)>> scores = {
-      [](Config& c) { c.motion.k = 8.0; },
-      [](Config& c) { c.motion.score = MotionScore::kUncertainty; },
-      [](Config& c) { c.motion.noise.flow_std = 1.0; },
-      [](Config& c) { c.motion.static_gain = 1.0; },
-      [](Config& c) { c.motion_uncertainty.tilt_std = 0.03; },
-      [](Config& c) { c.use_depth_uncertainty = true; },
-      [](Config& c) { c.refine = true; },
-      [](Config& c) { c.refine_ground = true; },
-      [](Config& c) { c.ground.uncertainty.pitch_std = 0.01; },
-      [](Config& c) { c.refinement.stride = 8; },
-  };
-  for (std::size_t i = 0; i < scores.size(); ++i) {
-    Config changed;
-    scores[i](changed);
-    EXPECT_FALSE(sameEvidence({}, changed)) << i;
-  }
-  const std::vector<std::function<void(Config&)>> others = {
-      [](Config& c) { c.full_size = false; },        [](Config& c) { c.memory = 0.4; },
-      [](Config& c) { c.look_back = true; },         [](Config& c) { c.input_timeout = 1.0; },
-      [](Config& c) { c.rotation_timeout = 0.1; },   [](Config& c) { c.max_twist_age = 0.1; },
-      [](Config& c) { c.radar_min_residual = 1.0; }, [](Config& c) { c.radar_max_age = 0.1; },
-  };
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    Config changed;
-    others[i](changed);
-    EXPECT_TRUE(sameEvidence({}, changed)) << i;
-  }
 }
 
 /// As readConfig does it, without a parameter server.

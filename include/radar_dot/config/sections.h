@@ -20,8 +20,7 @@
 #include "radar_dot/radar/velocity_filter.h"
 #include "radar_dot/vision/depth_estimator.h"
 #include "radar_dot/vision/mask_footprint.h"
-#include "radar_dot/vision/motion_refinement.h"
-#include "radar_dot/vision/motion_segmentation.h"
+#include "radar_dot/vision/mask_pipeline.h"
 #include "radar_dot/vision/optical_flow.h"
 
 // What the nodelets are configured with: one struct per nodelet, one section per nodelet in a YAML file. The
@@ -161,30 +160,15 @@ struct DepthConfig {
 };
 
 /// Nodelet DynamicSegmentation, section dynamic_segmentation.
-struct DynamicSegmentationConfig {
+struct DynamicSegmentationConfig : MaskPipelineParams {
   StreamParams stream;
   RotationParams rotation;
-  MotionParams motion;
-  bool use_depth_uncertainty = false;
-  MotionUncertainty motion_uncertainty;
-  bool refine = false;
-  bool refine_ground = false;
-  GroundParams ground;
-  RefinementParams refinement;
-  bool look_back = false;
-  double memory = 0.0;
   bool full_size = true;
-  double radar_min_residual = 0.6;
   double radar_max_age = 0.25;
   double input_timeout = 0.5;
   double rotation_timeout = 0.25;
   double max_twist_age = 0.3;
 
-  bool byUncertainty() const { return motion.score == MotionScore::kUncertainty; }
-  bool looksBack() const { return byUncertainty() && look_back; }
-  bool remembers() const { return byUncertainty() && memory > 0.0; }
-  bool usesDepthUncertainty() const { return use_depth_uncertainty && (byUncertainty() || refine); }
-  bool usesNextDepth() const { return byUncertainty() || motion.lambda > 0.0; }
   void describe(FieldList& fields);
 };
 void validate(const DynamicSegmentationConfig& config);

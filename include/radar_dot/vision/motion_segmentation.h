@@ -155,7 +155,7 @@ struct MotionInput {
   cv::Mat belief;
 };
 
-/// Outcome of one pair, on the grid of the input. The images belong to the segmenter until its next call.
+/// Outcome of one pair, on the grid of the input.
 struct MotionResult {
   cv::Mat mask;   ///< CV_8UC1, 255 = moves independently
   cv::Mat valid;  ///< CV_8UC1, 255 = took part, 0 = excluded: no depth or flow, out of view, occluded
@@ -193,7 +193,7 @@ class MotionSegmenter {
   ///                uncertainty only.
   /// @throws std::invalid_argument for images of other types or sizes than the camera's grid, and `before` or
   ///         a belief with the paper's score.
-  const MotionResult& segment(const MotionInput& input, const MotionInput* before = nullptr);
+  MotionResult segment(const MotionInput& input, const MotionInput* before = nullptr);
   const MotionParams& params() const noexcept { return params_; }
 
  private:

@@ -15,17 +15,12 @@
 
 #include "nodelets/inputs/ego_motion.h"
 #include "nodelets/inputs/extrinsics.h"
+#include "radar_dot/vision/mask_pipeline.h"
 
 namespace radar_dot {
 
-/// A point of a cloud.
-struct CloudPoint {
-  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< m
-  /// m/s, field `ego_residual` or `residual` of radar/static and radar/dynamic; NaN where there is none.
-  float residual = std::numeric_limits<float>::quiet_NaN();
-};
-
-/// The finite points of a cloud, in its own frame. @throws std::invalid_argument for sizes that contradict
+/// The finite points of a cloud, in its own frame, with the residual that radar/static and radar/dynamic have
+/// (`ego_residual` or `residual`). @throws std::invalid_argument for sizes that contradict
 /// each other, or a cloud without x, y and z.
 std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud);
 

@@ -10,8 +10,6 @@
 namespace radar_dot {
 namespace {
 
-constexpr std::size_t kMaxWaiting = 4;  // masks; at 12 Hz a third of a second
-
 /// An image of the camera's shape on the grid of the flow.
 cv::Mat onGrid(const cv::Mat& image, const cv::Size& grid, const std::string& what) {
   if (image.size() == grid) return image;
@@ -71,10 +69,6 @@ std::vector<MaskRegion> regionsOf(const MaskMessages& messages, const sensor_msg
   return regions;
 }
 
-void MaskMatcher::addMask(sensor_msgs::ImageConstPtr mask) {
-  waiting_.push_back({std::move(mask), ros::WallTime::now()});
-}
-
 void MaskMatcher::clear() {
   waiting_.clear();
   depths_.clear();
@@ -82,23 +76,27 @@ void MaskMatcher::clear() {
   flows_.clear();
 }
 
-std::optional<MaskMessages> MaskMatcher::take(double patience, std::string& missing) {
-  while (!waiting_.empty()) {
-    const Waiting front = waiting_.front();
-    const ros::Time stamp = front.mask->header.stamp;
-    const MaskMessages found{front.mask, depths_.find(stamp), expected_flows_.find(stamp),
-                             flows_.find(stamp)};
-    const bool all = found.depth && found.flow && found.expected_flow;
-    const bool within_timeout =
-        (ros::WallTime::now() - front.arrival).toSec() < patience && waiting_.size() <= kMaxWaiting;
-    if (!all && within_timeout) return std::nullopt;
-    waiting_.pop_front();
-    if (all) return found;
-    missing = std::string("no ") +
-              (!found.depth  ? "depth"
-               : !found.flow ? "flow"
-                             : "dynamic/expected_flow") +
-              " with the stamp of the mask";
+MaskMessages MaskMatcher::messagesOf(const sensor_msgs::ImageConstPtr& mask) const {
+  const ros::Time stamp = mask->header.stamp;
+  return {mask, depths_.find(stamp), expected_flows_.find(stamp), flows_.find(stamp)};
+}
+
+std::optional<MaskMessages> MaskMatcher::take(double timeout, const Moment& now, std::string& missing) {
+  using Queue = WaitingQueue<sensor_msgs::ImageConstPtr>;
+  const auto lackOf = [this](const sensor_msgs::ImageConstPtr& mask, double) -> Queue::Lack {
+    const MaskMessages found = messagesOf(mask);
+    if (found.depth && found.flow && found.expected_flow) return {};
+    const char* lack = !found.depth ? "depth" : !found.flow ? "flow" : "dynamic/expected_flow";
+    return {std::string("no ") + lack + " with the stamp of the mask"};
+  };
+  while (const std::optional<Queue::Taken> taken = waiting_.take(timeout, now, lackOf)) {
+    const MaskMessages found = messagesOf(taken->item);
+    const ros::Time stamp = found.mask->header.stamp;
+    depths_.dropThrough(stamp);
+    expected_flows_.dropThrough(stamp);
+    flows_.dropThrough(stamp);
+    if (taken->missing.empty()) return found;
+    missing = taken->missing;
   }
   return std::nullopt;
 }

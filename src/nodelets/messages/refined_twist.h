@@ -4,17 +4,13 @@
 
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 
-#include <Eigen/Geometry>
-#include <string>
-
-#include "nodelets/inputs/mask_history.h"
+#include "radar_dot/vision/mask_pipeline.h"
 
 namespace radar_dot {
 
-/// The motion of a pair, as velocities of the base frame in its own axes (m/s, rad/s) with their covariance,
-/// at the stamp of the later image.
-geometry_msgs::TwistWithCovarianceStamped refinedTwist(const PairInputs& pair,
-                                                       const Eigen::Isometry3d& T_base_from_camera,
-                                                       const std::string& base_frame);
+/// The refined motion of a pair, as velocities of the base frame in its own axes (m/s, rad/s) with their
+/// covariance, in a message with this header: the base frame, at the later image.
+geometry_msgs::TwistWithCovarianceStamped refinedTwist(const MaskPair& pair, const MotionInput& refined,
+                                                       const std_msgs::Header& header);
 
 }  // namespace radar_dot

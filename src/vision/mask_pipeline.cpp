@@ -1,0 +1,186 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/vision/mask_pipeline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "radar_dot/vision/motion_history.h"
+#include "radar_dot/vision/rigid_motion.h"
+
+namespace radar_dot {
+namespace {
+
+// Those of pairs that wait elsewhere for the rest of their inputs. A pair that was processed drops its own.
+constexpr std::size_t kMaxBackward = 6;
+
+/// Do pairs score the same with both? How the past is used, and which inputs are taken, does not matter.
+bool sameScores(MaskPipelineParams a, const MaskPipelineParams& b) {
+  a.look_back = b.look_back;
+  a.memory = b.memory;
+  a.radar_min_residual = b.radar_min_residual;
+  return sameFields(a, b);
+}
+
+/// The only place that says which dynamic returns may raise a score: those that a mask alone called dynamic
+/// must not confirm that mask.
+bool showsOwnMotion(const CloudPoint& point, double min_residual) {
+  return std::isnan(point.residual) || std::abs(point.residual) >= static_cast<float>(min_residual);
+}
+
+}  // namespace
+
+void MaskPipelineParams::describe(FieldList& fields) {
+  motion.describe(fields);
+  fields.group("Radar");
+  fields.add(
+      "radar_min_residual", radar_min_residual,
+      "Dynamic returns whose own Doppler residual is smaller are ignored: a mask must not confirm itself",
+      "m/s", {0.0, 100.0});
+  fields.group("Uncertainty");
+  fields.add("use_depth_uncertainty", use_depth_uncertainty,
+             "Take the uncertainty of depth from depth/uncertainty, pixel by pixel, where available; for the "
+             "refinement as "
+             "well");
+  motion_uncertainty.describe(fields);
+  fields.group("Refinement");
+  fields.add("refine", refine,
+             "Refine the motion, pitch and roll above all, by the image; published on ego/twist_refined");
+  fields.add("refine_ground", refine_ground,
+             "The depth shows the ground plane below, as depth_backend radar_ground draws it: refine its "
+             "pitch and height as "
+             "well");
+  ground.describe(fields);
+  refinement.describe(fields);
+  fields.group("History");
+  fields.add("look_back", look_back,
+             "Score the first image against the previous image as well; needs the backward flow "
+             "(forward_backward; score "
+             "uncertainty)");
+  fields.add(
+      "memory", memory,
+      "Time constant with which the previous mask, warped with the flow as log-odds, decays; 0: off (score "
+      "uncertainty)",
+      "s", {0.0, 60.0});
+}
+
+void validate(const MaskPipelineParams& params) {
+  validateFields(params);
+  validate(params.motion);
+}
+
+MaskPipeline::MaskPipeline(const MaskPipelineParams& params) : params_(params), segmenter_(params.motion) {}
+
+void MaskPipeline::configure(const MaskPipelineParams& params) {
+  if (!sameFields(params_.motion, params.motion)) segmenter_ = MotionSegmenter(params.motion);
+  if (!sameScores(params_, params)) clear();
+  params_ = params;
+}
+
+void MaskPipeline::clear() {
+  backward_.clear();
+  previous_.reset();
+}
+
+void MaskPipeline::addBackward(double from, double to, const FlowField& flow) {
+  backward_.push_back({from, to, {flow.flow.clone(), {}, flow.fb_error.clone()}});
+  if (backward_.size() > kMaxBackward) backward_.pop_front();
+}
+
+MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
+  MotionInput input;
+  input.camera = pair.camera;
+  input.pixel_scale = pair.pixel_scale;
+  input.T_current_from_previous = staticPointMotion(pair.T_base_from_camera, pair.T_first_from_second);
+  input.flow = pair.flow.flow;
+  // The forward-backward error is noise to the score by uncertainty, and no reason to leave a pixel out.
+  if (params_.byUncertainty() && !pair.flow.fb_error.empty()) {
+    input.fb_error = pair.flow.fb_error;
+  } else {
+    input.flow_valid = pair.flow.valid;
+  }
+  input.depth = pair.depth;
+  input.next_depth = pair.next_depth;
+  if (params_.usesDepthUncertainty()) input.depth_std = pair.depth_std;
+  if (params_.byUncertainty() || params_.refine) {
+    const double dt = std::abs(pair.second_time - pair.first_time);
+    input.motion_covariance =
+        cameraCovariance(pair.T_base_from_camera, baseMotionCovariance(pair.motion_uncertainty, dt));
+  }
+  const Eigen::Isometry3f T_camera_from_base = pair.T_base_from_camera.inverse().cast<float>();
+  if (params_.motion.radar_gain > 0.0) {
+    for (const CloudPoint& point : pair.dynamic_points) {
+      if (showsOwnMotion(point, params_.radar_min_residual))
+        input.dynamic_points.emplace_back(T_camera_from_base * point.position);
+    }
+  }
+  if (params_.motion.static_gain > 0.0) {
+    for (const CloudPoint& point : pair.static_points)
+      input.static_points.emplace_back(T_camera_from_base * point.position);
+  }
+  return input;
+}
+
+/// Motion, its covariance, and where depth shows the ground, both depths, by the image.
+void MaskPipeline::refine(const MaskPair& pair, MotionInput& input) const {
+  std::optional<GroundPlane> ground;
+  if (params_.refine_ground) ground = GroundPlane{pair.T_base_from_camera, params_.ground};
+  refineInput(input, ground, params_.motion.max_depth, params_.motion.noise, params_.refinement);
+}
+
+/// From the first image of a pair to that of the previous one; null where there is none.
+const FlowField* MaskPipeline::backwardTo(const MaskPair& pair) const {
+  if (!previous_ || previous_->second_time != pair.first_time) return nullptr;
+  const cv::Size grid = pair.flow.flow.size();
+  for (const Backward& backward : backward_) {
+    if (backward.from != pair.first_time || backward.to != previous_->first_time) continue;
+    // Where the grid was changed meanwhile, there is no past.
+    const bool same_grid = backward.field.flow.size() == grid && previous_->log_odds.size() == grid;
+    return same_grid ? &backward.field : nullptr;
+  }
+  return nullptr;
+}
+
+/// What is believed of the pixels of the first image; empty where the previous mask does not reach it.
+cv::Mat MaskPipeline::beliefFor(const MaskPair& pair, const FlowField* backward) const {
+  if (!previous_ || previous_->log_odds.size() != pair.flow.flow.size()) return {};
+  // Flow that runs back in time leads from the first image of a pair to that of the previous pair by itself.
+  const bool runs_back = pair.second_time == previous_->first_time && previous_->first_time < pair.first_time;
+  if (runs_back) backward = &pair.flow;
+  if (backward == nullptr) return {};
+  return carriedBelief(previous_->log_odds, backward->flow,
+                       forgetting(pair.first_time - previous_->first_time, params_.memory));
+}
+
+void MaskPipeline::remember(const MaskPair& pair, const MaskOutcome& outcome) {
+  previous_ = Previous{pair.first_time, pair.second_time, {}, logOdds(outcome.result)};
+  MotionInput& input = previous_->input;
+  input.camera = outcome.input.camera;
+  input.pixel_scale = outcome.input.pixel_scale;
+  input.T_current_from_previous = outcome.input.T_current_from_previous;
+  input.motion_covariance = outcome.input.motion_covariance;
+  input.depth = outcome.input.depth.clone();
+  input.next_depth = outcome.input.next_depth.clone();
+  const auto is_used = [&pair](const Backward& backward) { return backward.from <= pair.first_time; };
+  backward_.erase(std::remove_if(backward_.begin(), backward_.end(), is_used), backward_.end());
+}
+
+MaskOutcome MaskPipeline::process(const MaskPair& pair) {
+  MaskOutcome outcome;
+  MotionInput& input = outcome.input;
+  input = inputOf(pair);
+  if (params_.refine) refine(pair, input);
+  const FlowField* backward = backwardTo(pair);
+  std::optional<MotionInput> before;
+  if (params_.looksBack() && backward != nullptr)
+    before = previousPairFromFirst(input, previous_->input, backward->flow, backward->fb_error);
+  if (params_.remembers()) input.belief = beliefFor(pair, backward);
+  outcome.looked_back = before.has_value();
+  outcome.result = segmenter_.segment(input, before ? &*before : nullptr);
+  if (params_.usesBackwardFlow()) remember(pair, outcome);
+  return outcome;
+}
+
+}  // namespace radar_dot

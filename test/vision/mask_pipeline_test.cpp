@@ -1,0 +1,203 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/vision/mask_pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "radar_dot/vision/rigid_motion.h"
+
+namespace radar_dot {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+constexpr double kStep = 0.1;  // s between images
+const cv::Rect kPatch(100, 40, 20, 10);
+
+/// A camera that drives towards a wall, 1 m from each image to the next, 21 m away at image 0.
+class Drive {
+ public:
+  static cv::Mat depthAt(int image) { return {kHeight, kWidth, CV_32FC1, cv::Scalar(21.0 - image)}; }
+  static Eigen::Isometry3d mount() {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+    T.translation() << 1.5, 0.0, 1.6;
+    return T;
+  }
+  /// Of two images; the patch moves by `down` px more than a static world.
+  static MaskPair pair(int first, int second, float down = 0.0F) {
+    MaskPair pair;
+    pair.first_time = kStep * first;
+    pair.second_time = kStep * second;
+    pair.camera = {250.0, 250.0, 79.5, 59.5, kWidth, kHeight};
+    pair.depth = depthAt(first);
+    pair.next_depth = depthAt(second);
+    pair.T_base_from_camera = mount();
+    pair.T_first_from_second.translation().x() = second - first;
+    pair.flow.flow =
+        expectedFlow(pair.camera, staticPointMotion(mount(), pair.T_first_from_second), pair.depth);
+    for (int v = kPatch.y; v < kPatch.y + kPatch.height; ++v)
+      for (int u = kPatch.x; u < kPatch.x + kPatch.width; ++u) pair.flow.flow.at<cv::Vec2f>(v, u)[1] += down;
+    return pair;
+  }
+  static MaskPipelineParams params() {
+    MaskPipelineParams params;
+    params.motion.score = MotionScore::kUncertainty;
+    params.motion.noise.flow_std = 0.5;
+    params.motion.noise.depth_std = 0.05;
+    params.motion.opening = params.motion.closing = 0;
+    params.motion.hysteresis_ratio = params.motion.min_scale = 1.0;
+    return params;
+  }
+};
+
+/// Image 0 to 1, the flow back, then image 1 to 2, whose patch has no flow of its own.
+MaskOutcome secondOf(
+    MaskPipeline& pipeline, const std::function<void()>& between = [] {}) {
+  pipeline.process(Drive::pair(0, 1, 10.0F));
+  pipeline.addBackward(kStep, 0.0, Drive::pair(1, 0, 10.0F).flow);
+  between();
+  MaskPair next = Drive::pair(1, 2);
+  next.flow.flow(kPatch).setTo(cv::Scalar::all(std::numeric_limits<double>::quiet_NaN()));
+  return pipeline.process(next);
+}
+
+TEST(MaskPipeline, LooksBackAlongTheFlowBackOfThePreviousPair) {
+  MaskPipelineParams params = Drive::params();
+  MaskPipeline alone(params);
+  EXPECT_EQ(cv::countNonZero(secondOf(alone).result.mask), 0);
+  params.look_back = true;
+  MaskPipeline pipeline(params);
+  const MaskOutcome outcome = secondOf(pipeline);
+  EXPECT_TRUE(outcome.looked_back);
+  EXPECT_EQ(cv::countNonZero(outcome.result.mask(kPatch)), kPatch.area());
+  EXPECT_EQ(cv::countNonZero(outcome.result.mask), kPatch.area());
+}
+
+TEST(MaskPipeline, RemembersThePreviousMask) {
+  MaskPipelineParams params = Drive::params();
+  params.memory = 10.0;
+  MaskPipeline pipeline(params);
+  const MaskOutcome outcome = secondOf(pipeline);
+  EXPECT_FALSE(outcome.looked_back);
+  EXPECT_GT(cv::countNonZero(outcome.result.mask(kPatch)), kPatch.area() / 4);
+  params.memory = 0.01;
+  MaskPipeline forgetful(params);
+  EXPECT_EQ(cv::countNonZero(secondOf(forgetful).result.mask), 0);
+}
+
+// Flow from the later image to the earlier leads to the previous mask by itself.
+TEST(MaskPipeline, FlowThatRunsBackCarriesTheMemoryItself) {
+  MaskPipelineParams params = Drive::params();
+  params.memory = 10.0;
+  MaskPipeline pipeline(params);
+  pipeline.process(Drive::pair(1, 0, 10.0F));
+  const MaskOutcome outcome = pipeline.process(Drive::pair(2, 1));
+  ASSERT_FALSE(outcome.input.belief.empty());
+  EXPECT_GT(cv::mean(outcome.input.belief(kPatch))[0], 0.0);
+  EXPECT_LT(outcome.input.belief.at<float>(100, 20), 0.0F);
+}
+
+TEST(MaskPipeline, ThePastIsThatOfTheSameImageAndGrid) {
+  MaskPipelineParams params = Drive::params();
+  params.look_back = true;
+  MaskPipeline pipeline(params);
+  EXPECT_FALSE(pipeline.process(Drive::pair(0, 1)).looked_back) << "nothing was before";
+  EXPECT_FALSE(pipeline.process(Drive::pair(1, 2)).looked_back) << "no flow back";
+  pipeline.addBackward(2.0 * kStep, kStep, Drive::pair(2, 1).flow);
+  EXPECT_FALSE(pipeline.process(Drive::pair(3, 4)).looked_back) << "an image is missing";
+  pipeline.addBackward(4.0 * kStep, 3.0 * kStep, Drive::pair(4, 3).flow);
+  EXPECT_TRUE(pipeline.process(Drive::pair(4, 5)).looked_back);
+  FlowField coarse{cv::Mat(kHeight / 2, kWidth / 2, CV_32FC2, cv::Scalar::all(0.0)), {}};
+  pipeline.addBackward(5.0 * kStep, 4.0 * kStep, coarse);
+  EXPECT_FALSE(pipeline.process(Drive::pair(5, 6)).looked_back) << "on another grid";
+  pipeline.addBackward(6.0 * kStep, 5.0 * kStep, Drive::pair(6, 5).flow);
+  pipeline.clear();
+  EXPECT_FALSE(pipeline.process(Drive::pair(6, 7)).looked_back);
+}
+
+// Images of messages are gone after the call.
+TEST(MaskPipeline, WhatItKeepsIsItsOwn) {
+  MaskPipelineParams params = Drive::params();
+  params.look_back = true;
+  MaskPipeline pipeline(params);
+  MaskPair first = Drive::pair(0, 1);
+  pipeline.process(first);
+  FlowField back = Drive::pair(1, 0).flow;
+  pipeline.addBackward(kStep, 0.0, back);
+  for (cv::Mat* image : {&first.depth, &first.next_depth, &first.flow.flow, &back.flow})
+    image->setTo(cv::Scalar::all(1e6));
+  const MaskOutcome outcome = pipeline.process(Drive::pair(1, 2));
+  EXPECT_TRUE(outcome.looked_back);
+  EXPECT_EQ(cv::countNonZero(outcome.result.mask), 0);
+}
+
+TEST(MaskPipeline, OnlyWhatChangesScoresEndsTheHistory) {
+  using Change = std::function<void(MaskPipelineParams&)>;
+  const auto looks_back_after = [](const Change& change) {
+    MaskPipelineParams params = Drive::params();
+    params.look_back = true;
+    MaskPipeline pipeline(params);
+    change(params);
+    return secondOf(pipeline, [&] { pipeline.configure(params); }).looked_back;
+  };
+  const std::vector<Change> scores = {
+      [](MaskPipelineParams& p) { p.motion.k = 8.0; },
+      [](MaskPipelineParams& p) { p.motion.noise.flow_std = 1.0; },
+      [](MaskPipelineParams& p) { p.motion.static_gain = 1.0; },
+      [](MaskPipelineParams& p) { p.motion_uncertainty.tilt_std = 0.03; },
+      [](MaskPipelineParams& p) { p.use_depth_uncertainty = true; },
+      [](MaskPipelineParams& p) { p.refine = true; },
+      [](MaskPipelineParams& p) { p.refine_ground = true; },
+      [](MaskPipelineParams& p) { p.ground.uncertainty.pitch_std = 0.01; },
+      [](MaskPipelineParams& p) { p.refinement.stride = 8; },
+  };
+  for (std::size_t i = 0; i < scores.size(); ++i) EXPECT_FALSE(looks_back_after(scores[i])) << i;
+  const std::vector<Change> others = {
+      [](MaskPipelineParams&) {},
+      [](MaskPipelineParams& p) { p.memory = 0.4; },
+      [](MaskPipelineParams& p) { p.radar_min_residual = 1.0; },
+  };
+  for (std::size_t i = 0; i < others.size(); ++i) EXPECT_TRUE(looks_back_after(others[i])) << i;
+}
+
+TEST(MaskPipeline, OnlyReturnsWithAMotionOfTheirOwnAreEvidence) {
+  MaskPipelineParams params = Drive::params();
+  params.motion.radar_gain = params.motion.static_gain = 1.0;
+  params.radar_min_residual = 0.5;
+  MaskPair pair = Drive::pair(0, 1);
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  for (const float residual : {0.4F, -0.4F, 0.6F, -0.6F, kUnknown})
+    pair.dynamic_points.push_back({{20.0F, 1.0F, 0.5F}, residual});
+  pair.static_points.push_back({{10.0F, 0.0F, 0.5F}, 0.0F});
+  const MotionInput input = MaskPipeline(params).process(pair).input;
+  ASSERT_EQ(input.dynamic_points.size(), 3U);
+  EXPECT_TRUE(input.dynamic_points[0].isApprox(Eigen::Vector3f(-1.0F, 1.1F, 18.5F)));  // in the camera frame
+  EXPECT_EQ(input.static_points.size(), 1U);
+  params.motion.radar_gain = params.motion.static_gain = 0.0;
+  const MotionInput without = MaskPipeline(params).process(pair).input;
+  EXPECT_TRUE(without.dynamic_points.empty() && without.static_points.empty());
+}
+
+TEST(MaskPipeline, TheForwardBackwardErrorIsNoiseOrAReasonToExclude) {
+  MaskPipelineParams params = Drive::params();
+  MaskPair pair = Drive::pair(0, 1);
+  pair.flow.valid = cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(255));
+  pair.flow.fb_error = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(0.5));
+  const MotionInput by_uncertainty = MaskPipeline(params).process(pair).input;
+  EXPECT_TRUE(by_uncertainty.flow_valid.empty());
+  EXPECT_FALSE(by_uncertainty.fb_error.empty());
+  EXPECT_GT(by_uncertainty.motion_covariance.trace(), 0.0);
+  params.motion.score = MotionScore::kPaper;
+  const MotionInput paper = MaskPipeline(params).process(pair).input;
+  EXPECT_FALSE(paper.flow_valid.empty());
+  EXPECT_TRUE(paper.fb_error.empty());
+  EXPECT_EQ(paper.motion_covariance.trace(), 0.0);
+}
+
+}  // namespace
+}  // namespace radar_dot
