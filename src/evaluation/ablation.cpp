@@ -59,27 +59,31 @@ std::vector<AblationStep> ablationSteps(const SegmentationEvaluationOptions& opt
   const DynamicSegmentationConfig& given = options.segmentation;
   SegmentationEvaluationOptions step = options;
   DynamicSegmentationConfig& segmentation = step.segmentation;
-  step.mask_directory.clear();
   segmentation.motion.score = MotionScore::kPaper;
-  segmentation.motion.radar_gain = segmentation.motion.static_gain = 0.0;
+  segmentation.motion.radar.dynamic_gain = segmentation.motion.radar.static_gain = 0.0;
   segmentation.refine = segmentation.look_back = false;
   segmentation.memory = 0.0;
-  std::vector<AblationStep> steps = {{"paper", step}};
+  std::vector<AblationStep> steps;
+  const auto add = [&](const std::string& name, const std::string& folder) {
+    if (!options.mask_directory.empty()) step.mask_directory = options.mask_directory + "/" + folder;
+    steps.push_back({name, step});
+  };
+  add("paper", "paper");
   segmentation.motion.score = MotionScore::kUncertainty;
   step.optical_flow.flow.forward_backward = true;
-  steps.push_back({"+ uncertainty", step});
+  add("+ uncertainty", "uncertainty");
   segmentation.refine = segmentation.refine_ground = true;
-  steps.push_back({"+ refinement", step});
-  segmentation.motion.radar_gain =
-      given.motion.radar_gain > 0.0 ? given.motion.radar_gain : MotionParams{}.radar_gain;
-  segmentation.motion.static_gain = given.motion.static_gain;
-  steps.push_back({"+ radar evidence", step});
+  add("+ refinement", "refinement");
+  segmentation.motion.radar.dynamic_gain =
+      given.motion.radar.dynamic_gain > 0.0 ? given.motion.radar.dynamic_gain : MotionParams{}.radar.dynamic_gain;
+  segmentation.motion.radar.static_gain = given.motion.radar.static_gain;
+  add("+ radar evidence", "radar_evidence");
   if (fileSourceOf(options.optical_flow.flow.backend))
     return steps;  // the truth and files have no backward flow
   segmentation.look_back = true;
-  steps.push_back({"+ look back", step});
+  add("+ look back", "look_back");
   segmentation.memory = given.memory > 0.0 ? given.memory : kMemory;
-  steps.push_back({"+ memory", step});
+  add("+ memory", "memory");
   return steps;
 }
 

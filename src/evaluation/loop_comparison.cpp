@@ -12,7 +12,7 @@ namespace radar_dot::evaluation {
 namespace {
 
 bool isRadarToMask(const SegmentationEvaluationOptions& options) {
-  return options.segmentation.motion.radar_gain != 0.0;
+  return options.segmentation.motion.radar.dynamic_gain != 0.0;
 }
 
 const char* nameOf(const LoopResult& result) {
@@ -51,12 +51,12 @@ void add(std::vector<LoopResult>& sums, const LoopResult& result) {
 std::vector<SegmentationEvaluationOptions> loopVariants(const SegmentationEvaluationOptions& options) {
   std::vector<SegmentationEvaluationOptions> variants;
   const double gain =
-      isRadarToMask(options) ? options.segmentation.motion.radar_gain : MotionParams{}.radar_gain;
+      isRadarToMask(options) ? options.segmentation.motion.radar.dynamic_gain : MotionParams{}.radar.dynamic_gain;
   for (const bool radar_to_mask : {false, true}) {
     for (const bool mask_to_velocity : {false, true}) {
       SegmentationEvaluationOptions variant = options;
       variant.mask_to_velocity = mask_to_velocity;
-      variant.segmentation.motion.radar_gain = radar_to_mask ? gain : 0.0;
+      variant.segmentation.motion.radar.dynamic_gain = radar_to_mask ? gain : 0.0;
       if (variants.size() != ownVariant(options)) variant.mask_directory.clear();
       variants.push_back(variant);
     }

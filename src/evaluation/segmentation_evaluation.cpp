@@ -145,8 +145,8 @@ std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, Ma
   const double end = secondsOf(images_.reading(pair.second));
   const Eigen::Isometry3d truth = images_.trueMotion(pair);
   if (options_.velocity == VelocitySource::kGroundTruth &&
-      options_.rotation == RotationSource::kGroundTruth && segmentation().motion.radar_gain == 0.0 &&
-      segmentation().motion.static_gain == 0.0)
+      options_.rotation == RotationSource::kGroundTruth && segmentation().motion.radar.dynamic_gain == 0.0 &&
+      segmentation().motion.radar.static_gain == 0.0)
     return truth;
   const std::optional<Velocity> velocity = velocityOf(begin, end);
   if (!velocity && options_.velocity == VelocitySource::kGroundTruth &&
@@ -285,7 +285,7 @@ void SegmentationEvaluationOptions::describe(FieldList& fields) {
              "px", {0.0, 10000.0});
   fields.add("mask_to_velocity", mask_to_velocity,
              "Returns in the latest mask are dynamic in the next velocity estimates");
-  fields.add("save_masks", mask_directory, "Folder to which every mask is written as PNG");
+  fields.add("save_masks", mask_directory, "Folder to which every mask is written as PNG; with --ablation one in it for each step");
 }
 
 void validate(const SegmentationEvaluationOptions& options) {

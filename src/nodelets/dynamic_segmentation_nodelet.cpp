@@ -94,9 +94,9 @@ void DynamicSegmentationNodelet::apply(const DynamicSegmentationConfig& config) 
 
 void DynamicSegmentationNodelet::updateSubscriptions() {
   updateRadarSubscription(*static_input_, static_subscriber_, "radar/static", *static_returns_,
-                          config_.motion.static_gain);
+                          config_.motion.radar.static_gain);
   updateRadarSubscription(*dynamic_input_, dynamic_subscriber_, "radar/dynamic", *dynamic_returns_,
-                          config_.motion.radar_gain);
+                          config_.motion.radar.dynamic_gain);
   updateBackwardSubscription();
   updateUncertaintySubscription();
 }
@@ -251,9 +251,9 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
 
 void DynamicSegmentationNodelet::addRadarPoints(Inputs& inputs) {
   const ros::Time& stamp = inputs.messages.flow->header.stamp;
-  if (config_.motion.radar_gain > 0.0)
+  if (config_.motion.radar.dynamic_gain > 0.0)
     inputs.pair.dynamic_points = dynamic_returns_->at(stamp, config_.radar_max_age);
-  if (config_.motion.static_gain > 0.0)
+  if (config_.motion.radar.static_gain > 0.0)
     inputs.pair.static_points = static_returns_->at(stamp, config_.radar_max_age);
 }
 

@@ -78,7 +78,6 @@ Results evaluateAll(const Arguments& arguments) {
   }
   const std::vector<dataset::InstanceMask> masks = dataset::readInstanceMasks(tables);
   const SegmentationEvaluationOptions& options = arguments.options;
-  if (!options.mask_directory.empty()) std::filesystem::create_directories(options.mask_directory);
   std::vector<SegmentationEvaluationOptions> variants = {options};
   std::size_t own = 0;
   if (arguments.compare_loop) {
@@ -94,6 +93,8 @@ Results evaluateAll(const Arguments& arguments) {
     variants = radar_dot::evaluation::loopVariants(options);
     own = radar_dot::evaluation::ownVariant(options);
   }
+  for (const SegmentationEvaluationOptions& variant : variants)
+    if (!variant.mask_directory.empty()) std::filesystem::create_directories(variant.mask_directory);
   radar_dot::tools::SegmentationRunner runner(tables, masks, variants, arguments.jobs,
                                               !arguments.input.scenes.empty() || tables.scenes.size() == 1);
   const std::vector<std::vector<SegmentationReport>> reports = runner.run();
@@ -111,7 +112,7 @@ Results evaluateAll(const Arguments& arguments) {
   if (!arguments.compare_loop) return results;
   for (std::size_t i = 0; i < variants.size(); ++i) {
     results.loop.push_back(
-        {variants[i].mask_to_velocity, variants[i].segmentation.motion.radar_gain != 0.0, sumOf(reports[i])});
+        {variants[i].mask_to_velocity, variants[i].segmentation.motion.radar.dynamic_gain != 0.0, sumOf(reports[i])});
   }
   return results;
 }

@@ -110,13 +110,13 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
         cameraCovariance(pair.T_base_from_camera, baseMotionCovariance(pair.motion_uncertainty, dt));
   }
   const Eigen::Isometry3f T_camera_from_base = pair.T_base_from_camera.inverse().cast<float>();
-  if (params_.motion.radar_gain > 0.0) {
+  if (params_.motion.radar.dynamic_gain > 0.0) {
     for (const CloudPoint& point : pair.dynamic_points) {
       if (showsOwnMotion(point, params_.radar_min_residual))
         input.dynamic_points.emplace_back(T_camera_from_base * point.position);
     }
   }
-  if (params_.motion.static_gain > 0.0) {
+  if (params_.motion.radar.static_gain > 0.0) {
     for (const CloudPoint& point : pair.static_points)
       input.static_points.emplace_back(T_camera_from_base * point.position);
   }
@@ -127,7 +127,7 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
 void MaskPipeline::refine(const MaskPair& pair, MotionInput& input) const {
   std::optional<GroundPlane> ground;
   if (params_.refine_ground) ground = GroundPlane{pair.T_base_from_camera, params_.ground};
-  refineInput(input, ground, params_.motion.max_depth, params_.motion.noise, params_.refinement);
+  refineInput(input, ground, params_.motion.max_depth, params_.motion.uncertainty.noise, params_.refinement);
 }
 
 /// From the first image of a pair to that of the previous one; null where there is none.
@@ -155,14 +155,12 @@ cv::Mat MaskPipeline::beliefFor(const MaskPair& pair, const FlowField* backward)
 }
 
 void MaskPipeline::remember(const MaskPair& pair, const MaskOutcome& outcome) {
-  previous_ = Previous{pair.first_time, pair.second_time, {}, logOdds(outcome.result)};
+  previous_ = Previous{pair.first_time, pair.second_time, outcome.input, logOdds(outcome.result)};
   MotionInput& input = previous_->input;
-  input.camera = outcome.input.camera;
-  input.pixel_scale = outcome.input.pixel_scale;
-  input.T_current_from_previous = outcome.input.T_current_from_previous;
-  input.motion_covariance = outcome.input.motion_covariance;
-  input.depth = outcome.input.depth.clone();
-  input.next_depth = outcome.input.next_depth.clone();
+  static_cast<MotionEvidence&>(input) = {};
+  input.flow = input.flow_valid = input.fb_error = input.depth_std = cv::Mat();
+  input.depth = input.depth.clone();
+  input.next_depth = input.next_depth.clone();
   const auto is_used = [&pair](const Backward& backward) { return backward.from <= pair.first_time; };
   backward_.erase(std::remove_if(backward_.begin(), backward_.end(), is_used), backward_.end());
 }

@@ -182,28 +182,28 @@ RADAR_DOT_VECTORISED void distanceBlock(const PassConstants& pass, int row, int 
 PassConstants::PassConstants(const MotionInput& input, const MotionParams& params, double median)
     : motion(input.camera, input.T_current_from_previous),
       pixel_scale(static_cast<float>(input.pixel_scale)),
-      lambda(static_cast<float>(params.lambda)),
-      min_depth(static_cast<float>(params.min_depth)),
+      lambda(static_cast<float>(params.paper.lambda)),
+      min_depth(static_cast<float>(params.paper.min_depth)),
       max_depth(static_cast<float>(params.max_depth)),
       occlusion_margin(static_cast<float>(params.occlusion_margin)),
       median_depth(static_cast<float>(median)),
-      flow_std(static_cast<float>(params.noise.flow_std / input.pixel_scale)),
-      flow_std_relative(static_cast<float>(params.noise.flow_std_relative)),
-      fb_error_weight(static_cast<float>(params.noise.fb_error_weight)),
-      depth_std(static_cast<float>(params.noise.depth_std)),
-      next_depth_std(static_cast<float>(params.next_depth_std)),
+      flow_std(static_cast<float>(params.uncertainty.noise.flow_std / input.pixel_scale)),
+      flow_std_relative(static_cast<float>(params.uncertainty.noise.flow_std_relative)),
+      fb_error_weight(static_cast<float>(params.uncertainty.noise.fb_error_weight)),
+      depth_std(static_cast<float>(params.uncertainty.noise.depth_std)),
+      next_depth_std(static_cast<float>(params.uncertainty.next_depth_std)),
       fx(static_cast<float>(input.camera.fx)),
       fy(static_cast<float>(input.camera.fy)),
       cx(static_cast<float>(input.camera.cx)),
       cy(static_cast<float>(input.camera.cy)),
       spread(uncertainty_terms::spreadOf(input.motion_covariance)),
       by_uncertainty(params.score == MotionScore::kUncertainty),
-      radar_factors{1.0F, static_cast<float>(1.0 / (1.0 + params.static_gain)),
-                    static_cast<float>(1.0 + params.radar_gain)},
+      radar_factors{1.0F, static_cast<float>(1.0 / (1.0 + params.radar.static_gain)),
+                    static_cast<float>(1.0 + params.radar.dynamic_gain)},
       last_u(static_cast<float>(input.camera.width - 1)),
       last_v(static_cast<float>(input.camera.height - 1)),
       predicted_in_view(params.predicted_in_view) {
-  const double grid_std = params.foe_std / input.pixel_scale;
+  const double grid_std = params.paper.foe_std / input.pixel_scale;
   const auto inverse_two_variance = static_cast<float>(1.0 / (2.0 * grid_std * grid_std));
   const auto foe = motion_terms::focusOfExpansion(input.camera, input.T_current_from_previous.translation());
   const auto factors = [&](std::vector<float>& along, int size, double centre) {

@@ -298,8 +298,14 @@ void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, d
   if (!input.depth_std.empty())
     input.depth_std = replaceGroundStd(input.depth_std, input.depth, input.camera, *ground, refined);
   input.depth = replaceGroundDepth(input.depth, input.camera, *ground, *refined.ground, max_depth);
-  if (!input.next_depth.empty())
-    input.next_depth = replaceGroundDepth(input.next_depth, input.camera, *ground, *refined.ground, max_depth);
+  if (input.next_depth.empty()) return;
+  // The backend draws the same plane in the base frame of both images. The ground does not turn with the base:
+  // at t it is the plane found at t-1, seen from a base that has turned and stands on it as before.
+  const Eigen::Isometry3d& mount = ground->T_base_from_camera;
+  Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
+  turned.linear() = (mount * input.T_current_from_previous.inverse() * mount.inverse()).linear();
+  const GroundPlane next{turned * mount, refined.ground->params};
+  input.next_depth = replaceGroundDepth(input.next_depth, input.camera, *ground, next, max_depth);
 }
 
 }  // namespace radar_dot

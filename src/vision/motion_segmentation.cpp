@@ -104,7 +104,7 @@ float medianOf(const cv::Mat& image, const FloatHistogram& histogram, std::size_
 void validate(const MotionParams& params) {
   const FieldList fields = fieldsOf(params);
   checkFields(fields);
-  const FlowDepthNoise& noise = params.noise;
+  const FlowDepthNoise& noise = params.uncertainty.noise;
   require(noise.flow_std + noise.flow_std_relative > 0.0, fields, {&noise.flow_std, &noise.flow_std_relative},
           "one of them must be positive");
 }
@@ -151,7 +151,7 @@ void MotionSegmenter::Workspace::drawFootprint(const CameraIntrinsics& camera, c
                                                const MotionParams& params, std::uint8_t value) {
   if (!(point.z() > 0.1F) || !point.allFinite()) return;
   const auto half_width = static_cast<float>(
-      std::max(params.radar_radius, params.radar_azimuth_std * static_cast<double>(point.norm())));
+      std::max(params.radar.radius, params.radar.azimuth_std * static_cast<double>(point.norm())));
   const auto corner = [&](float right, float down) {
     const Eigen::Vector2d pixel = camera.project((point + Eigen::Vector3f(right, down, 0.0F)).cast<double>());
     // Far outside is outside; the conversion to int must not overflow.
@@ -165,11 +165,11 @@ void MotionSegmenter::Workspace::drawFootprint(const CameraIntrinsics& camera, c
 void MotionSegmenter::Workspace::drawFootprints(const MotionInput& input, const MotionParams& params) {
   footprints.create(input.camera.height, input.camera.width, CV_8UC1);
   footprints.setTo(0);
-  if (params.static_gain > 0.0) {
+  if (params.radar.static_gain > 0.0) {
     for (const Eigen::Vector3f& point : input.static_points)
       drawFootprint(input.camera, point, params, kStaticReturn);
   }
-  if (params.radar_gain > 0.0) {  // over the others: one that moves before a wall counts
+  if (params.radar.dynamic_gain > 0.0) {  // over the others: one that moves before a wall counts
     for (const Eigen::Vector3f& point : input.dynamic_points)
       drawFootprint(input.camera, point, params, kDynamicReturn);
   }
@@ -244,8 +244,8 @@ double MotionSegmenter::Workspace::paperThreshold(const MotionParams& params) {
   });
   const float mad = medianOf(scores, sum, count, local_candidates, candidates, deviation);
   result.mad = static_cast<double>(mad);
-  return static_cast<double>(motion_terms::robustThreshold(median, mad, static_cast<float>(params.k),
-                                                           static_cast<float>(params.min_threshold)));
+  return static_cast<double>(motion_terms::robustThreshold(median, mad, static_cast<float>(params.paper.k),
+                                                           static_cast<float>(params.paper.min_threshold)));
 }
 
 /// Removes the regions of the mask without a part above `high` that stands the opening.
@@ -285,10 +285,10 @@ void MotionSegmenter::Workspace::makeMask(const MotionParams& params, double pix
                  result.valid.ptr<std::uint8_t>(row));
   });
   result.valid_count = static_cast<std::size_t>(cv::countNonZero(result.valid));
-  const int opening = kernelSize(params.opening, pixel_scale);
+  const int opening = kernelSize(params.cleanup.opening, pixel_scale);
   morphology(result.mask, cv::MORPH_OPEN, opening);
-  if (by_uncertainty && params.hysteresis_ratio > 1.0) keepSeeded(static_cast<float>(params.hysteresis_ratio) * tau, opening);
-  morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.closing, pixel_scale));
+  if (by_uncertainty && params.uncertainty.hysteresis_ratio > 1.0) keepSeeded(static_cast<float>(params.uncertainty.hysteresis_ratio) * tau, opening);
+  morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.cleanup.closing, pixel_scale));
   // Closing reaches over excluded pixels, of which nothing is known.
   cv::bitwise_and(result.mask, result.valid, result.mask);
 }
@@ -339,15 +339,15 @@ MotionResult MotionSegmenter::segment(const MotionInput& input, const MotionInpu
     return std::exchange(result, {});
   }
   result.median = work.score(input, pass, result.score);
-  result.scale = scaleOf(result.median, params_.min_scale);
+  result.scale = scaleOf(result.median, params_.uncertainty.min_scale);
   if (before != nullptr) {
     const PassConstants pass_before(*before, params_, result.median_depth);
     const double scale_before =
-        scaleOf(work.score(*before, pass_before, work.score_before), params_.min_scale);
+        scaleOf(work.score(*before, pass_before, work.score_before), params_.uncertainty.min_scale);
     work.addPairBefore(result.scale / scale_before);
   }
   const int degrees = input.next_depth.empty() ? 2 : 3;
-  result.threshold = result.scale * uncertainty_terms::chiThreshold(degrees, params_.false_alarm);
+  result.threshold = result.scale * uncertainty_terms::chiThreshold(degrees, params_.uncertainty.false_alarm);
   if (!input.belief.empty()) work.addBelief(input.belief);
   work.makeMask(params_, input.pixel_scale);
   return std::exchange(result, {});

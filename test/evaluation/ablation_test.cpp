@@ -39,8 +39,8 @@ TEST(Ablation, EveryStepAddsOneThing) {
   SegmentationEvaluationOptions options;
   options.pairs.camera = "CAM_BACK";
   options.mask_directory = "masks";
-  options.segmentation.motion.radar_gain = 3.0;
-  options.segmentation.motion.static_gain = 0.5;
+  options.segmentation.motion.radar.dynamic_gain = 3.0;
+  options.segmentation.motion.radar.static_gain = 0.5;
   options.segmentation.refine = options.segmentation.look_back = true;
   const std::vector<AblationStep> steps = ablationSteps(options);
   ASSERT_EQ(steps.size(), 6U);
@@ -53,8 +53,8 @@ TEST(Ablation, EveryStepAddsOneThing) {
     EXPECT_EQ(step.segmentation.refine, i >= 2) << steps[i].name;
     EXPECT_EQ(step.segmentation.look_back, i >= 4) << steps[i].name;
     EXPECT_EQ(step.segmentation.memory, i >= 5 ? kMemory : 0.0) << steps[i].name;
-    EXPECT_EQ(step.segmentation.motion.radar_gain, i >= 3 ? 3.0 : 0.0) << steps[i].name;
-    EXPECT_EQ(step.segmentation.motion.static_gain, i >= 3 ? 0.5 : 0.0) << steps[i].name;
+    EXPECT_EQ(step.segmentation.motion.radar.dynamic_gain, i >= 3 ? 3.0 : 0.0) << steps[i].name;
+    EXPECT_EQ(step.segmentation.motion.radar.static_gain, i >= 3 ? 0.5 : 0.0) << steps[i].name;
   }
   const SegmentationEvaluationOptions best = bestOptions(options);
   EXPECT_EQ(best.segmentation.memory, kMemory);
@@ -63,8 +63,8 @@ TEST(Ablation, EveryStepAddsOneThing) {
   EXPECT_EQ(ablationSteps(options).back().options.segmentation.memory, 0.2);
   options.optical_flow.flow.backend = "ground_truth";  // has no flow back
   ASSERT_EQ(ablationSteps(options).size(), 4U);
-  options.segmentation.motion.radar_gain = 0.0;
-  EXPECT_EQ(ablationSteps(options).back().options.segmentation.motion.radar_gain, MotionParams{}.radar_gain);
+  options.segmentation.motion.radar.dynamic_gain = 0.0;
+  EXPECT_EQ(ablationSteps(options).back().options.segmentation.motion.radar.dynamic_gain, MotionParams{}.radar.dynamic_gain);
 }
 
 TEST(Ablation, TheTableHasScenesAsColumns) {

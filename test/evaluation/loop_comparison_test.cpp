@@ -35,12 +35,12 @@ TEST(LoopComparison, VariantsAreTheFourCombinations) {
   SegmentationEvaluationOptions options;
   options.mask_directory = "masks";
   options.pairs.camera = "CAM_BACK";
-  options.segmentation.motion.radar_gain = 0.0;  // the variants with it take the default
+  options.segmentation.motion.radar.dynamic_gain = 0.0;  // the variants with it take the default
   const std::vector<SegmentationEvaluationOptions> variants = loopVariants(options);
   ASSERT_EQ(variants.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(variants[i].mask_to_velocity, i % 2 == 1);
-    EXPECT_EQ(variants[i].segmentation.motion.radar_gain, i >= 2 ? MotionParams{}.radar_gain : 0.0);
+    EXPECT_EQ(variants[i].segmentation.motion.radar.dynamic_gain, i >= 2 ? MotionParams{}.radar.dynamic_gain : 0.0);
     EXPECT_EQ(variants[i].pairs.camera, "CAM_BACK");
     EXPECT_EQ(variants[i].mask_directory, i == 0 ? "masks" : "");
   }
@@ -49,15 +49,15 @@ TEST(LoopComparison, VariantsAreTheFourCombinations) {
 TEST(LoopComparison, TheOptionsThemselvesAreOneOfThem) {
   SegmentationEvaluationOptions options;
   options.mask_directory = "masks";
-  options.segmentation.motion.radar_gain = 2.5;
+  options.segmentation.motion.radar.dynamic_gain = 2.5;
   for (const bool mask_to_velocity : {false, true}) {
     options.mask_to_velocity = mask_to_velocity;
     const std::vector<SegmentationEvaluationOptions> variants = loopVariants(options);
     const SegmentationEvaluationOptions& own = variants.at(ownVariant(options));
     EXPECT_EQ(own.mask_to_velocity, mask_to_velocity);
-    EXPECT_EQ(own.segmentation.motion.radar_gain, 2.5);
+    EXPECT_EQ(own.segmentation.motion.radar.dynamic_gain, 2.5);
     EXPECT_EQ(own.mask_directory, "masks");
-    EXPECT_EQ(variants[0].segmentation.motion.radar_gain, 0.0);
+    EXPECT_EQ(variants[0].segmentation.motion.radar.dynamic_gain, 0.0);
     EXPECT_TRUE(variants[0].mask_directory.empty());
   }
 }

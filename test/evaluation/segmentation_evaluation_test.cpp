@@ -33,13 +33,13 @@ class SegmentationEvaluation : public ::testing::Test {
     options.min_true_residual = 1.0;
     // Everything is exact: what differs at all moves. Depth alone is not looked at: between the pixels of an
     // edge it means nothing.
-    options.segmentation.motion.min_threshold = 0.05;
-    options.segmentation.motion.k = 6.0;
-    options.segmentation.motion.lambda = 0.0;
+    options.segmentation.motion.paper.min_threshold = 0.05;
+    options.segmentation.motion.paper.k = 6.0;
+    options.segmentation.motion.paper.lambda = 0.0;
     options.segmentation.motion.occlusion_margin = 1.0;
     options.segmentation.motion.predicted_in_view = false;
-    options.segmentation.motion.opening = 0;
-    options.segmentation.motion.closing = 0;
+    options.segmentation.motion.cleanup.opening = 0;
+    options.segmentation.motion.cleanup.closing = 0;
     return options;
   }
 
@@ -169,9 +169,9 @@ TEST_F(SegmentationEvaluation, WrongMotionFillsThePicture) {
 TEST_F(SegmentationEvaluation, UsesTheUncertaintyThatTheDepthDeclares) {
   SegmentationEvaluationOptions options = everythingTrue();
   options.segmentation.motion.score = MotionScore::kUncertainty;
-  options.segmentation.motion.noise.depth_std = 0.01;
+  options.segmentation.motion.uncertainty.noise.depth_std = 0.01;
   const Confusion expected = evaluate(options).pixels;
-  options.segmentation.motion.noise.depth_std = 5.0;
+  options.segmentation.motion.uncertainty.noise.depth_std = 5.0;
   const Confusion constant = evaluate(options).pixels;
   options.segmentation.use_depth_uncertainty = true;
   const Confusion declared = evaluate(options).pixels;

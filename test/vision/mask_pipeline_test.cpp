@@ -47,10 +47,10 @@ class Drive {
   static MaskPipelineParams params() {
     MaskPipelineParams params;
     params.motion.score = MotionScore::kUncertainty;
-    params.motion.noise.flow_std = 0.5;
-    params.motion.noise.depth_std = 0.05;
-    params.motion.opening = params.motion.closing = 0;
-    params.motion.hysteresis_ratio = params.motion.min_scale = 1.0;
+    params.motion.uncertainty.noise.flow_std = 0.5;
+    params.motion.uncertainty.noise.depth_std = 0.05;
+    params.motion.cleanup.opening = params.motion.cleanup.closing = 0;
+    params.motion.uncertainty.hysteresis_ratio = params.motion.uncertainty.min_scale = 1.0;
     return params;
   }
 };
@@ -146,9 +146,9 @@ TEST(MaskPipeline, OnlyWhatChangesScoresEndsTheHistory) {
     return secondOf(pipeline, [&] { pipeline.configure(params); }).looked_back;
   };
   const std::vector<Change> scores = {
-      [](MaskPipelineParams& p) { p.motion.k = 8.0; },
-      [](MaskPipelineParams& p) { p.motion.noise.flow_std = 1.0; },
-      [](MaskPipelineParams& p) { p.motion.static_gain = 1.0; },
+      [](MaskPipelineParams& p) { p.motion.paper.k = 8.0; },
+      [](MaskPipelineParams& p) { p.motion.uncertainty.noise.flow_std = 1.0; },
+      [](MaskPipelineParams& p) { p.motion.radar.static_gain = 1.0; },
       [](MaskPipelineParams& p) { p.motion_uncertainty.tilt_std = 0.03; },
       [](MaskPipelineParams& p) { p.use_depth_uncertainty = true; },
       [](MaskPipelineParams& p) { p.refine = true; },
@@ -167,7 +167,7 @@ TEST(MaskPipeline, OnlyWhatChangesScoresEndsTheHistory) {
 
 TEST(MaskPipeline, OnlyReturnsWithAMotionOfTheirOwnAreEvidence) {
   MaskPipelineParams params = Drive::params();
-  params.motion.radar_gain = params.motion.static_gain = 1.0;
+  params.motion.radar.dynamic_gain = params.motion.radar.static_gain = 1.0;
   params.radar_min_residual = 0.5;
   MaskPair pair = Drive::pair(0, 1);
   constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
@@ -178,7 +178,7 @@ TEST(MaskPipeline, OnlyReturnsWithAMotionOfTheirOwnAreEvidence) {
   ASSERT_EQ(input.dynamic_points.size(), 3U);
   EXPECT_TRUE(input.dynamic_points[0].isApprox(Eigen::Vector3f(-1.0F, 1.1F, 18.5F)));  // in the camera frame
   EXPECT_EQ(input.static_points.size(), 1U);
-  params.motion.radar_gain = params.motion.static_gain = 0.0;
+  params.motion.radar.dynamic_gain = params.motion.radar.static_gain = 0.0;
   const MotionInput without = MaskPipeline(params).process(pair).input;
   EXPECT_TRUE(without.dynamic_points.empty() && without.static_points.empty());
 }

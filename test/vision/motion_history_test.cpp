@@ -44,10 +44,10 @@ class Wall {
   static MotionParams params() {
     MotionParams params;
     params.score = MotionScore::kUncertainty;
-    params.noise.flow_std = 0.5;
-    params.noise.depth_std = 0.05;
-    params.opening = params.closing = 0;
-    params.hysteresis_ratio = params.min_scale = 1.0;
+    params.uncertainty.noise.flow_std = 0.5;
+    params.uncertainty.noise.depth_std = 0.05;
+    params.cleanup.opening = params.cleanup.closing = 0;
+    params.uncertainty.hysteresis_ratio = params.uncertainty.min_scale = 1.0;
     return params;
   }
 };

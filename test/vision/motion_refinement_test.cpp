@@ -216,6 +216,22 @@ TEST(RefineMotion, LooksAtTheUncertaintyOfEveryDepth) {
   EXPECT_GT(refined.correction.norm(), 0.0);
 }
 
+// A base that pitches between the images sees the same ground under another pitch.
+TEST(RefineInput, TheGroundOfTheSecondImageTurnsWithTheMotion) {
+  constexpr double kNoseDown = 0.02, kFar = 30.0;  // rad, m
+  Eigen::Isometry3d T_first_from_second = Eigen::Isometry3d::Identity();
+  T_first_from_second.linear() = Eigen::AngleAxisd(kNoseDown, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  T_first_from_second.translation().x() = 4.0;
+  const Eigen::Isometry3d motion = staticPointMotion(mount(), T_first_from_second);
+  MotionInput input = street(motion, flat());
+  input.T_current_from_previous = motion;  // without a covariance it stays
+  input.next_depth = groundDepth(kCamera, mount(), 0.0, 0.0, kFar);
+  refineInput(input, flat(), kFar);
+  const cv::Mat expected = groundDepth(kCamera, mount(), 0.0, -kNoseDown, kFar);
+  for (const int row : {150, 180, 220})
+    EXPECT_NEAR(input.next_depth.at<float>(row, 200) / expected.at<float>(row, 200), 1.0, 0.01) << row;
+}
+
 TEST(RefineMotion, TooLittleChangesNothing) {
   MotionInput input = street(drive(), flat());
   input.T_current_from_previous = drive();

@@ -144,7 +144,7 @@ TEST(MotionSegmenter, FindsWhatMovesAcross) {
   MotionInput input = wall();
   move(input, 40, 50, 30, {0.0F, 4.0F});
   MotionParams params;
-  params.min_threshold = 0.5;
+  params.paper.min_threshold = 0.5;
   MotionSegmenter segmenter(params);
   const MotionResult& result = segmenter.segment(input);
   EXPECT_EQ(cv::countNonZero(result.mask), 900);
@@ -158,14 +158,14 @@ TEST(MotionSegmenter, FindsByDepthWhatFlowDoesNotShow) {
   MotionInput input = wall();
   input.next_depth(cv::Rect(200, 60, 40, 40)).setTo(24.0);  // went 5 m ahead of where a static point would be
   MotionParams params;
-  params.lambda = 1.0;  // S = 5 m / 20 m
-  params.min_threshold = 0.1;
+  params.paper.lambda = 1.0;  // S = 5 m / 20 m
+  params.paper.min_threshold = 0.1;
   MotionSegmenter segmenter(params);
   const MotionResult& result = segmenter.segment(input);
   const int found = cv::countNonZero(result.mask);
   EXPECT_NEAR(found, 38 * 38, 150);  // seen 20 / 19 smaller from the first image
   EXPECT_EQ(cv::countNonZero(result.mask(cv::Rect(195, 60, 50, 50))), found);
-  params.lambda = 0.0;
+  params.paper.lambda = 0.0;
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
 }
 
@@ -183,9 +183,9 @@ TEST(MotionSegmenter, DynamicReturnsRaiseTheScoreAroundThem) {
   MotionInput input = wall();
   move(input, 140, 100, 30, {0.0F, 0.5F});
   MotionParams params;
-  params.min_threshold = 0.3;
+  params.paper.min_threshold = 0.3;
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
-  params.radar_gain = 2.0;
+  params.radar.dynamic_gain = 2.0;
   input.dynamic_points = {{0.0F, 0.0F, 20.0F}, {0.0F, 0.0F, -5.0F}, {kNaN, 0.0F, 9.0F}};
   EXPECT_GT(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 400);
 }
@@ -195,8 +195,8 @@ TEST(MotionSegmenter, EqualsTheLiteralReferenceBitForBit) {
     SCOPED_TRACE(seed);
     const MotionInput input = randomScene(seed);
     MotionParams params;
-    params.k = 2.0 + 0.5 * seed;
-    params.min_threshold = 0.0;
+    params.paper.k = 2.0 + 0.5 * seed;
+    params.paper.min_threshold = 0.0;
     params.predicted_in_view = seed % 2 == 0;
     const test::LiteralMotion expected = test::literalMotion(input, params);
     MotionSegmenter segmenter(params);
@@ -233,7 +233,7 @@ TEST(MotionSegmenter, RefusesWhatDoesNotFit) {
   input.T_current_from_previous.translation().x() = std::nan("");
   EXPECT_THROW(segmenter.segment(input), std::invalid_argument);
   MotionParams params;
-  params.foe_std = 0.0;
+  params.paper.foe_std = 0.0;
   EXPECT_THROW(MotionSegmenter{params}, std::invalid_argument);
 }
 

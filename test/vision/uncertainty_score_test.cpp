@@ -157,9 +157,9 @@ class StaticWorld {
         const double depth = 10.0 + 0.05 * u + 0.03 * v;
         // The errors of the motion are drawn for every pixel again, so that their spread shows in one image.
         const Eigen::Isometry3d motion = smallMotion(motion_covariance) * someMotion();
-        const double true_rho = (1.0 + params_.noise.depth_std * normal()) / depth;
+        const double true_rho = (1.0 + params_.uncertainty.noise.depth_std * normal()) / depth;
         Eigen::Vector2d flow = pixelOf(motion, u, v, 1.0 / true_rho) - Eigen::Vector2d(u, v);
-        const double sigma = params_.noise.flow_std + params_.noise.flow_std_relative * flow.norm();
+        const double sigma = params_.uncertainty.noise.flow_std + params_.uncertainty.noise.flow_std_relative * flow.norm();
         flow += sigma * Eigen::Vector2d(normal(), normal());
         input.depth.at<float>(v, u) = static_cast<float>(depth);
         input.flow.at<cv::Vec2f>(v, u) =
@@ -191,12 +191,12 @@ class StaticWorld {
 MotionParams exactModel() {
   MotionParams params;
   params.score = MotionScore::kUncertainty;
-  params.noise.flow_std = 0.5;
-  params.noise.flow_std_relative = 0.02;
-  params.noise.depth_std = 0.05;
-  params.false_alarm = 1e-5;
-  params.hysteresis_ratio = params.min_scale = 1.0;
-  params.opening = params.closing = 0;
+  params.uncertainty.noise.flow_std = 0.5;
+  params.uncertainty.noise.flow_std_relative = 0.02;
+  params.uncertainty.noise.depth_std = 0.05;
+  params.uncertainty.false_alarm = 1e-5;
+  params.uncertainty.hysteresis_ratio = params.uncertainty.min_scale = 1.0;
+  params.cleanup.opening = params.cleanup.closing = 0;
   params.predicted_in_view = false;
   return params;
 }
@@ -209,7 +209,7 @@ TEST(UncertaintyScore, FalseAlarmsOfAStaticWorldAreAsManyAsAskedFor) {
   for (const Matrix6& covariance : {Matrix6(Matrix6::Zero()), someCovariance(0.002, 0.02)}) {
     for (const double wanted : {0.05, 0.01}) {
       MotionParams params = exactModel();
-      params.false_alarm = wanted;
+      params.uncertainty.false_alarm = wanted;
       MotionSegmenter segmenter(params);
       const MotionResult& result = segmenter.segment(StaticWorld(params).input(covariance));
       EXPECT_NEAR(result.median, terms::chiMedian(2), 0.02);
@@ -220,11 +220,11 @@ TEST(UncertaintyScore, FalseAlarmsOfAStaticWorldAreAsManyAsAskedFor) {
 
 TEST(UncertaintyScore, ThresholdGrowsWithWhatTheModelLeavesOut) {
   MotionParams params = exactModel();
-  params.false_alarm = 0.01;
+  params.uncertainty.false_alarm = 0.01;
   const MotionInput input = StaticWorld(params).input(Matrix6::Zero());
-  params.noise.flow_std /= 4.0;
-  params.noise.flow_std_relative /= 4.0;
-  params.noise.depth_std /= 4.0;  // four times too sure of everything
+  params.uncertainty.noise.flow_std /= 4.0;
+  params.uncertainty.noise.flow_std_relative /= 4.0;
+  params.uncertainty.noise.depth_std /= 4.0;  // four times too sure of everything
   MotionSegmenter segmenter(params);
   const MotionResult& result = segmenter.segment(input);
   EXPECT_NEAR(result.median, 4.0 * terms::chiMedian(2), 0.1);
@@ -233,18 +233,18 @@ TEST(UncertaintyScore, ThresholdGrowsWithWhatTheModelLeavesOut) {
 
 TEST(UncertaintyScore, ThresholdFallsWithImagesBetterThanTheModel) {
   MotionParams params = exactModel();
-  params.false_alarm = 0.01;
+  params.uncertainty.false_alarm = 0.01;
   const MotionInput input = StaticWorld(params).input(Matrix6::Zero());
-  params.noise.flow_std *= 4.0;
-  params.noise.flow_std_relative *= 4.0;
-  params.noise.depth_std *= 4.0;  // four times too doubtful of everything
+  params.uncertainty.noise.flow_std *= 4.0;
+  params.uncertainty.noise.flow_std_relative *= 4.0;
+  params.uncertainty.noise.depth_std *= 4.0;  // four times too doubtful of everything
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
-  params.min_scale = 0.1;
+  params.uncertainty.min_scale = 0.1;
   MotionSegmenter segmenter(params);
   const MotionResult& result = segmenter.segment(input);
   EXPECT_NEAR(result.scale, 0.25, 0.01);
   EXPECT_NEAR(shareAbove(result), 0.01, 0.003);
-  params.min_scale = 0.5;
+  params.uncertainty.min_scale = 0.5;
   EXPECT_EQ(MotionSegmenter(params).segment(input).scale, 0.5);
 }
 
@@ -266,7 +266,7 @@ void move(MotionInput& input, const cv::Rect& part, cv::Vec2f flow) {
 // At (260, 120) the focus of expansion is to the left: depth moves pixels sideways only.
 TEST(UncertaintyScore, TellsAnErrorOfDepthFromMotionAcrossIt) {
   MotionParams params = exactModel();
-  params.noise.depth_std = 0.5;
+  params.uncertainty.noise.depth_std = 0.5;
   MotionInput along = wall();
   move(along, {250, 110, 20, 20}, {6.0F, 0.0F});
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(along).mask), 0);
@@ -282,7 +282,7 @@ TEST(UncertaintyScore, LooksAtTheNoiseOfEveryPixel) {
   input.fb_error = cv::Mat(240, 320, CV_32FC1, cv::Scalar(0.0));
   input.depth_std = cv::Mat(240, 320, CV_32FC1, cv::Scalar(0.05));
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 400);
-  params.noise.fb_error_weight = 1.0;
+  params.uncertainty.noise.fb_error_weight = 1.0;
   input.fb_error(cv::Rect(250, 110, 20, 10)).setTo(10.0);
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
   move(input, {250, 120, 20, 10}, {6.0F, -6.0F});  // now along the direction of depth
@@ -292,31 +292,31 @@ TEST(UncertaintyScore, LooksAtTheNoiseOfEveryPixel) {
   // What is not a number says nothing: the parameter holds.
   input.depth_std(cv::Rect(250, 120, 20, 10)).setTo(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
-  params.noise.depth_std = 1.0;
+  params.uncertainty.noise.depth_std = 1.0;
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
 }
 
 TEST(UncertaintyScore, DepthSeenInTheSecondImageIsAThirdComponent) {
   MotionParams params = exactModel();
-  params.next_depth_std = 0.02;
+  params.uncertainty.next_depth_std = 0.02;
   MotionInput input = wall();
   input.next_depth = cv::Mat(240, 320, CV_32FC1, cv::Scalar(19.0));
   input.next_depth(cv::Rect(200, 60, 40, 40)).setTo(24.0);  // 13 sigma
   EXPECT_GT(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 1200);
-  params.next_depth_std = 0.5;
+  params.uncertainty.next_depth_std = 0.5;
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
 }
 
 TEST(RadarEvidence, StaticReturnsLowerTheScoreButNotWhereOneMoves) {
   MotionParams params = exactModel();
-  params.radar_gain = 0.0;
+  params.radar.dynamic_gain = 0.0;
   MotionInput input = wall();
   move(input, {130, 100, 60, 40}, {0.0F, 3.5F});  // about six sigma
   input.static_points = {{0.0F, 0.0F, 20.0F}};    // 50 px wide, 50 px high around the middle
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 2400);
-  params.static_gain = 1.0;
+  params.radar.static_gain = 1.0;
   EXPECT_LT(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 1200);
-  params.radar_gain = 1.0;
+  params.radar.dynamic_gain = 1.0;
   input.dynamic_points = input.static_points;
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 2400);
 }
@@ -329,7 +329,7 @@ TEST(RadarEvidence, FarFootprintsAreAsWideAsTheBearingIsUncertain) {
   move(input, {110, 100, 100, 30}, {0.0F, 1.5F});  // about three sigma: too little by itself
   input.dynamic_points = {{0.0F, 0.0F, 60.0F}};
   const int narrow = cv::countNonZero(MotionSegmenter(params).segment(input).mask);
-  params.radar_azimuth_std = 0.05;  // 3 m instead of 1 m
+  params.radar.azimuth_std = 0.05;  // 3 m instead of 1 m
   const int wide = cv::countNonZero(MotionSegmenter(params).segment(input).mask);
   EXPECT_GT(narrow, 100);
   EXPECT_NEAR(static_cast<double>(wide) / narrow, 3.0, 0.3);
@@ -337,13 +337,13 @@ TEST(RadarEvidence, FarFootprintsAreAsWideAsTheBearingIsUncertain) {
 
 TEST(Hysteresis, RegionsWithoutASeedDoNotCount) {
   MotionParams params = exactModel();
-  params.false_alarm = 0.05;
+  params.uncertainty.false_alarm = 0.05;
   MotionInput input = wall();
   move(input, {40, 40, 60, 20}, {0.0F, 1.7F});    // weak
   move(input, {40, 40, 10, 20}, {0.0F, 4.0F});    // with a strong end
   move(input, {200, 180, 60, 20}, {0.0F, 1.7F});  // weak only
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 2400);
-  params.hysteresis_ratio = 2.0;
+  params.uncertainty.hysteresis_ratio = 2.0;
   const cv::Mat mask = MotionSegmenter(params).segment(input).mask.clone();
   EXPECT_EQ(cv::countNonZero(mask), 1200);
   EXPECT_EQ(cv::countNonZero(mask(cv::Rect(40, 40, 60, 20))), 1200);
@@ -355,8 +355,8 @@ TEST(UncertaintyScore, ParametersThatMakeNoSenseAreRefused) {
     change(params);
     test::expectRefusal<std::invalid_argument>([&] { validate(params); }, {name});
   };
-  refused([](MotionParams& p) { p.noise.flow_std = p.noise.flow_std_relative = 0.0; }, "flow_std");
-  refused([](MotionParams& p) { p.hysteresis_ratio = 0.5; }, "hysteresis_ratio");
+  refused([](MotionParams& p) { p.uncertainty.noise.flow_std = p.uncertainty.noise.flow_std_relative = 0.0; }, "flow_std");
+  refused([](MotionParams& p) { p.uncertainty.hysteresis_ratio = 0.5; }, "hysteresis_ratio");
   MotionInput input = wall();
   input.fb_error = cv::Mat(4, 4, CV_32FC1);
   test::expectRefusal<std::invalid_argument>([&] { MotionSegmenter().segment(input); }, {"fb_error"});

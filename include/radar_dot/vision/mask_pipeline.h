@@ -33,7 +33,7 @@ struct MaskPipelineParams {
   bool looksBack() const { return byUncertainty() && look_back; }
   bool remembers() const { return byUncertainty() && memory > 0.0; }
   bool usesDepthUncertainty() const { return use_depth_uncertainty && (byUncertainty() || refine); }
-  bool usesNextDepth() const { return byUncertainty() || motion.lambda > 0.0; }
+  bool usesNextDepth() const { return byUncertainty() || motion.paper.lambda > 0.0; }
   bool usesBackwardFlow() const { return looksBack() || remembers(); }
   void describe(FieldList& fields);
 };

@@ -98,7 +98,8 @@ cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, cons
                          const GroundPlane& drawn, const RefinedMotion& refined);
 
 /// A pair with its motion refined (refineMotion): motion, covariance, and where the ground is given, both
-/// depths and their uncertainty. @param max_depth  m, ground farther than this is unknown
+/// depths and their uncertainty; the ground turns with the motion from t-1 to t.
+/// @param max_depth  m, ground farther than this is unknown
 void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, double max_depth,
                  const FlowDepthNoise& noise = {}, const RefinementParams& params = {});
 

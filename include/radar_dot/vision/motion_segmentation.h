@@ -30,47 +30,18 @@ struct EnumNames<MotionScore> {
        "Mahalanobis distance from the static prediction, a chi-square quantile"}};
 };
 
-/// Parameters of MotionSegmenter. Lengths in px are px of the camera's full image; on a coarser grid they are
-/// scaled by MotionInput::pixel_scale.
-struct MotionParams {
-  MotionScore score = MotionScore::kPaper;
+// Lengths in px are px of the camera's full image; on a coarser grid they are scaled by
+// MotionInput::pixel_scale.
 
-  // Score of the paper
+/// Of the paper's score, with its symbols.
+struct PaperScoreParams {
   double k = 10.0;
   double lambda = 0.5;
   double min_depth = 1.0;
   double foe_std = 100.0;
-  // A score of 2 is a residual of 4 px at the median depth: where nearly everything agrees, MADs above the
-  // median would cut into the errors of flow and depth.
   double min_threshold = 2.0;
 
-  // Score by uncertainty
-  FlowDepthNoise noise;
-  double next_depth_std = 0.5;
-  // What the uncertainties leave out is measured in every image: the threshold grows and falls with the
-  // median of the score over that of static pixels, but not below min_scale.
-  double false_alarm = 1e-3;
-  double min_scale = 0.6;
-  double hysteresis_ratio = 3.5;
-
-  // Well above the depth errors, so that a mover that comes nearer is not taken for an occluder.
-  double occlusion_margin = 0.5;
-  double max_depth = 120.0;
-  int opening = 5;
-  int closing = 9;
-  // With flow that knows itself what it cannot see (forward_backward, or exact), leave it off: a car that
-  // drives along stays in view where a standing one would have left it.
-  bool predicted_in_view = true;
-  // At 2 a third of the evidence is enough where the radar has seen something move; more finds more movers,
-  // and spills around them.
-  double radar_gain = 2.0;
-  double radar_radius = 1.0;
-  double radar_azimuth_std = 0.0;
-  double static_gain = 0.0;
-
   void describe(FieldList& fields) {
-    fields.group("Score");
-    fields.add("score", score, "What turns the residual of a pixel into a score");
     fields.add("k", k, "MADs above the median score that make a pixel dynamic, the paper's k (score paper)",
                "", {0.0, 1000.0});
     fields.add(
@@ -87,14 +58,18 @@ struct MotionParams {
         "px", {0.1, 10000.0});
     fields.add("min_threshold", min_threshold, "Lower limit of the threshold (score paper)", "",
                {0.0, 1000.0});
-    describeMaxDepth(max_depth, fields);
-    fields.add(
-        "occlusion_margin", occlusion_margin,
-        "A predicted point is occluded if it lies farther than the depth seen there by this fraction of its "
-        "own depth",
-        "", {0.0, 1.0});
-    fields.add("predicted_in_view", predicted_in_view, "Exclude pixels whose prediction leaves the image");
-    fields.group("Uncertainty");
+  }
+};
+
+/// Of the score by uncertainty.
+struct UncertaintyScoreParams {
+  FlowDepthNoise noise;
+  double next_depth_std = 0.5;
+  double false_alarm = 1e-3;
+  double min_scale = 0.6;
+  double hysteresis_ratio = 3.5;
+
+  void describe(FieldList& fields) {
     noise.describe(fields);
     fields.add("next_depth_std", next_depth_std, "1 sigma of a depth in the second image, relative", "",
                {0.001, 100.0});
@@ -110,16 +85,34 @@ struct MotionParams {
         "A region is kept only if, after the opening, some pixel exceeds this multiple of the threshold; 1: "
         "off",
         "", {1.0, 100.0});
-    fields.group("Mask");
+  }
+};
+
+/// How a score becomes a mask.
+struct MaskCleanupParams {
+  int opening = 5;
+  int closing = 9;
+
+  void describe(FieldList& fields) {
     fields.add("opening", opening, "Width of the opening that removes isolated detections; 0: off", "px",
                {0, 999});
     fields.add("closing", closing, "Width of the closing that fills gaps; 0: off", "px", {0, 999});
-    fields.group("Radar");
-    fields.add("radar_gain", radar_gain,
+  }
+};
+
+/// How radar returns move a score.
+struct RadarEvidenceParams {
+  double dynamic_gain = 2.0;
+  double radius = 1.0;
+  double azimuth_std = 0.0;
+  double static_gain = 0.0;
+
+  void describe(FieldList& fields) {
+    fields.add("radar_gain", dynamic_gain,
                "Within footprints of dynamic returns the score is multiplied by 1 + this; 0: off", "",
                {0.0, 100.0});
-    fields.add("radar_radius", radar_radius, "Radius of the footprint of a return", "m", {0.01, 100.0});
-    fields.add("radar_azimuth_std", radar_azimuth_std,
+    fields.add("radar_radius", radius, "Radius of the footprint of a return", "m", {0.01, 100.0});
+    fields.add("radar_azimuth_std", azimuth_std,
                "Lower limit of the half width of a footprint, as an angle seen from the camera", "rad",
                {0.0, 0.5});
     fields.add("static_gain", static_gain,
@@ -127,33 +120,73 @@ struct MotionParams {
                {0.0, 100.0});
   }
 };
+
+/// Parameters of MotionSegmenter. Why the defaults are what they are: docs/method.md.
+struct MotionParams {
+  MotionScore score = MotionScore::kPaper;
+  PaperScoreParams paper;
+  double max_depth = 120.0;
+  double occlusion_margin = 0.5;
+  bool predicted_in_view = true;
+  UncertaintyScoreParams uncertainty;
+  MaskCleanupParams cleanup;
+  RadarEvidenceParams radar;
+
+  void describe(FieldList& fields) {
+    fields.group("Score");
+    fields.add("score", score, "What turns the residual of a pixel into a score");
+    paper.describe(fields);
+    describeMaxDepth(max_depth, fields);
+    fields.add(
+        "occlusion_margin", occlusion_margin,
+        "A predicted point is occluded if it lies farther than the depth seen there by this fraction of its "
+        "own depth",
+        "", {0.0, 1.0});
+    fields.add("predicted_in_view", predicted_in_view, "Exclude pixels whose prediction leaves the image");
+    fields.group("Uncertainty");
+    uncertainty.describe(fields);
+    fields.group("Mask");
+    cleanup.describe(fields);
+    fields.group("Radar");
+    radar.describe(fields);
+  }
+};
 /// @throws InvalidParameter, also for a flow without any noise
 void validate(const MotionParams& params);
 
-/// One pair of images, at t-1 and t, on one grid. Seen from the second image (motion_history.h) t is the
-/// earlier time.
-struct MotionInput {
+/// Two images, at t-1 and t, on one grid. Seen from the second image (motion_history.h) t is the earlier time.
+struct ImagePairInput {
   CameraIntrinsics camera;   ///< of the grid
   double pixel_scale = 1.0;  ///< px of the full image per px of the grid
   Eigen::Isometry3d T_current_from_previous = Eigen::Isometry3d::Identity();  ///< staticPointMotion, m
   cv::Mat flow;        ///< CV_32FC2, px of the grid, from t-1 to t; NaN = unknown
   cv::Mat flow_valid;  ///< CV_8UC1, 0 = unreliable; empty: all are reliable
+  cv::Mat depth;       ///< CV_32FC1, m, at t-1 (the paper's D_{t-1}); NaN, 0 or less = unknown
+  cv::Mat next_depth;  ///< CV_32FC1, m, at t (the paper's D_t); empty: no depth residual anywhere
+};
+
+/// How well a pair is known, for the score by uncertainty and the refinement.
+struct PairUncertainty {
   /// CV_32FC1, px of the grid: the forward-backward error; empty or NaN: not known
   cv::Mat fb_error;
-  cv::Mat depth;  ///< CV_32FC1, m, at t-1 (the paper's D_{t-1}); NaN, 0 or less = unknown
   /// CV_32FC1, 1 sigma of the inverse depth at t-1, share of it; empty, NaN or negative: MotionParams
   cv::Mat depth_std;
-  cv::Mat next_depth;  ///< CV_32FC1, m, at t (the paper's D_t); empty: no depth residual anywhere
-  std::vector<Eigen::Vector3f>
-      dynamic_points;  ///< m, camera frame at t-1: dynamic radar returns, for radar_gain
-  std::vector<Eigen::Vector3f> static_points;  ///< the same of static ones, for static_gain
   /// Of a small motion (omega, tau) after T_current_from_previous, X -> X + omega x X + tau: rad^2, rad m,
-  /// m^2, camera frame at t. For the score by uncertainty.
+  /// m^2, camera frame at t
   Eigen::Matrix<double, 6, 6> motion_covariance = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
+/// What speaks for or against a motion besides the pair.
+struct MotionEvidence {
+  std::vector<Eigen::Vector3f> dynamic_points;  ///< m, camera frame at t-1: of dynamic radar returns
+  std::vector<Eigen::Vector3f> static_points;   ///< the same of static ones
   /// CV_32FC1, log-odds that a pixel moves, from the images before (carriedBelief); NaN: nothing is known;
   /// empty: nowhere. For the score by uncertainty.
   cv::Mat belief;
 };
+
+/// All that a score is made of.
+struct MotionInput : ImagePairInput, PairUncertainty, MotionEvidence {};
 
 /// Outcome of one pair, on the grid of the input.
 struct MotionResult {
