@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "creeping_actors.h"
-#include "mask_feedback.h"
 #include "radar_dot/vision/motion_history.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "radar_scene.h"
@@ -43,8 +42,7 @@ class SceneRunner {
         radar_(loadRadarScene(tables, scene, options.radar_channels, options.ego_velocity)),
         images_(tables, radar_, options),
         estimator_(options.ego_velocity.estimator),
-        segmenter_(options.segmentation.motion),
-        feedback_(options.ego_velocity) {
+        segmenter_(options.segmentation.motion) {
     if (options.min_true_residual > 0.0) creeping_.emplace(tables, scene);
   }
 
@@ -85,7 +83,6 @@ class SceneRunner {
   EgoVelocityEstimator estimator_;
   MotionSegmenter segmenter_;
   std::optional<CreepingActors> creeping_;  // with min_true_residual
-  MaskFeedback feedback_;
   std::optional<StampedMask> latest_mask_;
   std::optional<StampedVelocity> latest_velocity_;
   std::optional<Prepared> latest_;  // with the flow back
@@ -100,11 +97,14 @@ std::vector<RadarScan> SceneRunner::scansAt(double time) {
     if (const std::optional<std::size_t> nearest = nearestScan(radar, time, kSensorReach))
       scans.push_back(radar.scan(*nearest));
   }
-  if (latest_velocity_)
-    turnBearings(scans, options_.ego_velocity.bearing_delay, latest_velocity_->angular.z());
-  if (latest_mask_ && latest_velocity_)
-    feedback_.mark(
-        scans, [this](double) { return &*latest_mask_; }, *latest_velocity_);
+  if (!latest_velocity_) return scans;
+  for (RadarScan& scan : scans) {
+    scan.bearing_rotation = options_.ego_velocity.bearing_delay * latest_velocity_->angular.z();
+    if (latest_mask_) {
+      markReturns(scan, *latest_mask_, options_.ego_velocity.mask_max_age, options_.ego_velocity.footprint,
+                  heldMotion(*latest_velocity_));
+    }
+  }
   return scans;
 }
 
@@ -118,20 +118,19 @@ std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, doubl
     const double time =
         options_.velocity == VelocitySource::kRadarStart ? begin : begin + (end - begin) * (i + 0.5) / steps;
     const std::vector<RadarScan> scans = scansAt(time);
-    const EgoVelocityResult& result = estimator_.estimate(scans, time);
+    const EgoVelocityResult result = estimator_.estimate(scans, time);
     if (!result.valid()) continue;
     latest_velocity_ = {time, result.linear, result.angular};
     mean.linear += result.linear;
     mean.angular += result.angular;
     if (count++ > 0) continue;
     for (std::size_t scan = 0; scan < scans.size(); ++scan) {
-      for (std::size_t k = 0; k < scans[scan].returns->size(); ++k) {
+      for (std::size_t k = 0; k < scans[scan].returns.size(); ++k) {
         const std::size_t index = result.offsets[scan] + k;
         // Returns that only a mask called dynamic must not confirm that mask.
         const bool own_motion =
             std::abs(static_cast<double>(result.residuals[index])) >= segmentation().radar_min_residual;
-        const Eigen::Vector3f position =
-            positionOf((*scans[scan].returns)[k], scans[scan].T_base_from_sensor);
+        const Eigen::Vector3f position = positionOf(scans[scan].returns[k], scans[scan].T_base_from_sensor);
         if (result.labels[index] == ReturnLabel::kStatic) mean.static_points.push_back(position);
         if (result.labels[index] == ReturnLabel::kDynamic && own_motion)
           mean.dynamic_points.push_back(position);
