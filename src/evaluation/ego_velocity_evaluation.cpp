@@ -62,8 +62,8 @@ void addErrors(const EstimatedVelocity& estimate, const Eigen::Vector3d& truth, 
     add(5, estimate.angular.z() - true_yaw_rate, errors.yaw_rate, errors.normalised_yaw_rate);
 }
 
-void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& options,
-                   const SweepVelocities& sweeps, SavedMasks& masks, VelocityReport& report) {
+void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& options, SweepRunner sweeps,
+                   VelocityReport& report) {
   std::map<std::string, EgoVelocityEstimator> variants;
   for (const char* variant : kVariants) {
     variants.emplace(variant, EgoVelocityEstimator(variantParams(options.ego_velocity.estimator, variant)));
@@ -84,22 +84,23 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
       const auto nearest = nearestScan(radar, middle, interval.half());
       if (nearest) scans.push_back(radar.scan(*nearest));
     }
-    masks.mark(scans, sweeps.velocities, middle);
+    sweeps.upTo(middle);
+    sweeps.mark(scans);
     // A model without a yaw rate knows of no turning of the bearings either.
     std::vector<RadarScan> turned = scans;
-    turnBearings(turned, options.ego_velocity.bearing_delay, yawRateAt(sweeps.velocities, middle));
-    const Eigen::Vector3d acceleration = accelerationAt(sweeps.velocities, middle);
+    sweeps.estimator().turnBearings(turned);
+    const Eigen::Vector3d acceleration = sweeps.estimator().acceleration(middle);
     const Eigen::Vector3d truth = scene.truth.meanVelocity(interval.begin, interval.end);
     const double true_yaw_rate = scene.truth.meanYawRate(interval.begin, interval.end);
 
     ++report.frames;
     for (auto& [name, estimator] : variants) {
-      const EgoVelocityResult& result = estimator.estimate(scans, middle, acceleration);
+      const EgoVelocityResult result = estimator.estimate(scans, middle, acceleration);
       if (result.valid()) report.mae[name].add((result.linear - truth).head<2>().norm());
     }
     for (auto& [model, estimator] : models) {
       const bool with_yaw = model == MotionModel::kPlanarYaw || model == MotionModel::kAckermann;
-      const EgoVelocityResult& result = estimator.estimate(with_yaw ? turned : scans, middle, acceleration);
+      const EgoVelocityResult result = estimator.estimate(with_yaw ? turned : scans, middle, acceleration);
       const bool in_use = model == options.ego_velocity.estimator.model;
       if (!result.valid()) {
         if (in_use) {
@@ -186,9 +187,7 @@ void evaluateTrajectory(const RadarScene& scene, const std::vector<EstimatedVelo
 }
 
 void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
-                    const VelocityEvaluationOptions& options,
-                    const std::vector<EstimatedVelocity>& velocities, SavedMasks& masks,
-                    VelocityReport& report) {
+                    const VelocityEvaluationOptions& options, SweepRunner sweeps, VelocityReport& report) {
   const bool annotated = std::any_of(scene.keyframe_samples.begin(), scene.keyframe_samples.end(),
                                      [&](Index sample) { return !tables.annotationsOf(sample).empty(); });
   if (!annotated) return;  // no boxes is no evidence that nothing moves
@@ -203,16 +202,17 @@ void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
     }
     const double time = scene.keyframe_times[k];
     if (!scene.truth.covers(time)) continue;
-    masks.mark(scans, velocities, time);
-    turnBearings(scans, options.ego_velocity.bearing_delay, yawRateAt(velocities, time));
-    const EgoVelocityResult& result = estimator.estimate(scans, time, accelerationAt(velocities, time));
+    sweeps.upTo(time);
+    sweeps.mark(scans);
+    sweeps.estimator().turnBearings(scans);
+    const EgoVelocityResult result = estimator.estimate(scans, time, sweeps.estimator().acceleration(time));
     if (!result.valid()) continue;
     const std::vector<MovingBox> boxes = boxesAt(tables, sample);
     for (std::size_t s = 0; s < scans.size(); ++s) {
       const Eigen::Isometry3d T_map_from_base = scene.truth.at(scans[s].time);
       const Eigen::Vector3d sensor = T_map_from_base * scans[s].T_base_from_sensor.translation();
-      for (std::size_t i = 0; i < scans[s].returns->size(); ++i) {
-        const DopplerReturn& measured = (*scans[s].returns)[i];
+      for (std::size_t i = 0; i < scans[s].returns.size(); ++i) {
+        const DopplerReturn& measured = scans[s].returns[i];
         const Eigen::Vector3d in_base = scans[s].T_base_from_sensor * (static_cast<double>(measured.range) *
                                                                        measured.bearing.cast<double>());
         const TrueLabel label =
@@ -239,7 +239,7 @@ void VelocityEvaluationOptions::describe(FieldList& fields) {
   describeRadarChannels(radar_channels, fields);
   fields.add("mount_yaw_correction", mount_yaw_corrections,
              "Added to the yaw of mounts, as in RADAR_FRONT=-0.0111,RADAR_BACK_LEFT=0.0094", "rad");
-  fields.add("filter_radars", filter_radars,
+  fields.add("filter_radars", ego_velocity.filter_radars,
              "The filter takes the velocity of each radar alone; otherwise the joint estimates");
   fields.group("Masks");
   masks.describe(fields);
@@ -295,15 +295,15 @@ VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
       report.missing_files[radar.channel] = {radar.listed - radar.scans.size(), radar.listed};
     }
   }
-  SavedMasks masks(tables, scene, options);
-  const SweepVelocities sweeps = sweepVelocities(loaded, options, masks);
+  const auto start = [&] { return SweepRunner(tables, scene, loaded, options); };
+  const SweepVelocities sweeps = sweepVelocities(tables, scene, loaded, options);
   report.sweeps = sweeps.count;
   report.sweeps_refused = sweeps.refused;
-  evaluatePairs(loaded, options, sweeps, masks, report);
+  evaluatePairs(loaded, options, start(), report);
   evaluateSweeps(loaded, sweeps, report);
   evaluateMounts(loaded, options, report);
   evaluateTrajectory(loaded, options.ego_velocity.filter ? sweeps.filtered : sweeps.velocities, report);
-  evaluateLabels(tables, loaded, options, sweeps.velocities, masks, report);
+  evaluateLabels(tables, loaded, options, start(), report);
   return report;
 }
 

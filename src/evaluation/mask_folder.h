@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "mask_feedback.h"
 #include "radar_dot/dataset/tables.h"
+#include "radar_dot/vision/mask_footprint.h"
 
 namespace radar_dot::evaluation {
 

@@ -34,11 +34,11 @@ struct SeenScan {
 
 /// Of the doubtful scan the returns that the trusted one lacks, as static ones.
 void addDoubtful(const RadarScan& doubtful, const EstimatedVelocity& velocity, const OverGroundParams& params,
-                 const std::vector<DopplerReturn>& trusted, std::vector<ReturnOverGround>& returns) {
+                 const Span<const DopplerReturn>& trusted, std::vector<ReturnOverGround>& returns) {
   std::set<std::uint32_t> known;
   for (const DopplerReturn& one : trusted) known.insert(one.index);
   for (ReturnOverGround& one : returnsOverGround(doubtful, velocity.linear, velocity.angular, params)) {
-    if (known.count((*doubtful.returns)[one.index].index) > 0) continue;
+    if (known.count(doubtful.returns[one.index].index) > 0) continue;
     one.label = ReturnLabel::kStatic;
     returns.push_back(one);
   }
@@ -47,20 +47,18 @@ void addDoubtful(const RadarScan& doubtful, const EstimatedVelocity& velocity, c
 std::vector<SeenScan> seenScans(const RadarScene& scene, const RadarScene* doubtful,
                                 const OnlineMotion& motion, const ObjectEvaluationOptions& options) {
   std::vector<SeenScan> seen;
-  for (std::size_t radar = 0; radar < scene.radars.size(); ++radar) {
-    for (std::size_t i = 0; i < scene.radars[radar].scans.size(); ++i) {
-      std::vector<RadarScan> scan = {scene.radars[radar].scan(i)};
-      scan[0].radar = radar;
-      const auto velocity = motion.velocityAt(scan[0].time);
+  for (const LoadedRadar& radar : scene.radars) {
+    for (std::size_t i = 0; i < radar.scans.size(); ++i) {
+      RadarScan scan = radar.scan(i);
+      const auto velocity = motion.velocityAt(scan.time);
       if (!velocity) continue;
-      turnBearings(scan, options.ego.ego_velocity.bearing_delay, velocity->angular.z());
-      seen.push_back(
-          {scan[0].time, radar,
-           returnsOverGround(scan[0], velocity->linear, velocity->angular, options.objects.returns)});
+      scan.bearing_rotation = options.ego.ego_velocity.bearing_delay * velocity->angular.z();
+      seen.push_back({scan.time, scan.radar,
+                      returnsOverGround(scan, velocity->linear, velocity->angular, options.objects.returns)});
       if (doubtful == nullptr) continue;
-      RadarScan with_doubtful = scan[0];
-      with_doubtful.returns = &doubtful->radars[radar].scans[i].returns;
-      addDoubtful(with_doubtful, *velocity, options.objects.returns, *scan[0].returns, seen.back().returns);
+      RadarScan with_doubtful = scan;
+      with_doubtful.returns = doubtful->radars[scan.radar].scans[i].returns;
+      addDoubtful(with_doubtful, *velocity, options.objects.returns, scan.returns, seen.back().returns);
     }
   }
   std::stable_sort(seen.begin(), seen.end(),
@@ -311,8 +309,7 @@ ObjectReport evaluateObjects(const dataset::Tables& tables, Index scene,
   const RadarScene for_ego = loadRadarScene(tables, scene, ego.radar_channels, config);
   config.extraction.filter = objectFilter(ego.ego_velocity.extraction.filter, options.object_returns);
   const RadarScene for_objects = loadRadarScene(tables, scene, ego.radar_channels, config);
-  SavedMasks masks(tables, scene, ego);
-  const OnlineMotion motion(sweepVelocities(for_ego, ego, masks).filtered);
+  const OnlineMotion motion(sweepVelocities(tables, scene, for_ego, ego).filtered);
   std::optional<RadarScene> with_doubtful;
   if (options.doubtful) {
     config.extraction.filter = objectFilter(config.extraction.filter, ObjectReturns::kAll);

@@ -181,6 +181,7 @@ RadarScene loadRadarScene(const Tables& tables, Index scene, const std::vector<s
   std::size_t scans = 0;
   for (const std::string& channel : radarChannels(tables, scene, channels)) {
     radars.push_back(loadRadar(tables, scene, channel, config));
+    radars.back().number = radars.size() - 1;
     scans += radars.back().scans.size();
     if (!channels.empty() && radars.back().scans.empty()) {
       throw NoRadarFiles(fmt::format("{}: none of the {} files of {} is under {}",

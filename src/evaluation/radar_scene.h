@@ -34,12 +34,13 @@ struct LoadedScan {
 /// All scans of one radar in time order.
 struct LoadedRadar {
   std::string channel;
+  std::size_t number = 0;  ///< in the scene
   Eigen::Isometry3d T_base_from_sensor = Eigen::Isometry3d::Identity();
   std::vector<LoadedScan> scans;
   std::size_t listed = 0;  ///< readings in the tables; those without a file are not in `scans`
 
   RadarScan scan(std::size_t index) const {
-    return {&scans[index].returns, T_base_from_sensor, scans[index].time, nullptr};
+    return {scans[index].returns, T_base_from_sensor, scans[index].time, number};
   }
 };
 

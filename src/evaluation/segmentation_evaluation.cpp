@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "creeping_actors.h"
-#include "mask_feedback.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "radar_scene.h"
 #include "scene_images.h"
@@ -49,8 +48,7 @@ class SceneRunner {
         radar_(loadRadarScene(tables, scene, options.radar_channels, options.ego_velocity)),
         images_(tables, radar_, options),
         estimator_(options.ego_velocity.estimator),
-        pipeline_(pipelineParams(options)),
-        feedback_(options.ego_velocity) {
+        pipeline_(pipelineParams(options)) {
     if (options.min_true_residual > 0.0) creeping_.emplace(tables, scene);
   }
 
@@ -77,7 +75,6 @@ class SceneRunner {
   EgoVelocityEstimator estimator_;
   MaskPipeline pipeline_;
   std::optional<CreepingActors> creeping_;  // with min_true_residual
-  MaskFeedback feedback_;
   std::optional<StampedMask> latest_mask_;
   std::optional<StampedVelocity> latest_velocity_;
   ImagePair latest_;  // that the pipeline has seen
@@ -91,11 +88,14 @@ std::vector<RadarScan> SceneRunner::scansAt(double time) {
     if (const std::optional<std::size_t> nearest = nearestScan(radar, time, kSensorReach))
       scans.push_back(radar.scan(*nearest));
   }
-  if (latest_velocity_)
-    turnBearings(scans, options_.ego_velocity.bearing_delay, latest_velocity_->angular.z());
-  if (latest_mask_ && latest_velocity_)
-    feedback_.mark(
-        scans, [this](double) { return &*latest_mask_; }, *latest_velocity_);
+  if (!latest_velocity_) return scans;
+  for (RadarScan& scan : scans) {
+    scan.bearing_rotation = options_.ego_velocity.bearing_delay * latest_velocity_->angular.z();
+    if (latest_mask_) {
+      markReturns(scan, *latest_mask_, options_.ego_velocity.mask_max_age, options_.ego_velocity.footprint,
+                  heldMotion(*latest_velocity_));
+    }
+  }
   return scans;
 }
 
@@ -109,16 +109,16 @@ std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, doubl
     const double time =
         options_.velocity == VelocitySource::kRadarStart ? begin : begin + (end - begin) * (i + 0.5) / steps;
     const std::vector<RadarScan> scans = scansAt(time);
-    const EgoVelocityResult& result = estimator_.estimate(scans, time);
+    const EgoVelocityResult result = estimator_.estimate(scans, time);
     if (!result.valid()) continue;
     latest_velocity_ = {time, result.linear, result.angular};
     mean.linear += result.linear;
     mean.angular += result.angular;
     if (count++ > 0) continue;
     for (std::size_t scan = 0; scan < scans.size(); ++scan) {
-      for (std::size_t k = 0; k < scans[scan].returns->size(); ++k) {
+      for (std::size_t k = 0; k < scans[scan].returns.size(); ++k) {
         const std::size_t index = result.offsets[scan] + k;
-        const CloudPoint point{positionOf((*scans[scan].returns)[k], scans[scan].T_base_from_sensor),
+        const CloudPoint point{positionOf(scans[scan].returns[k], scans[scan].T_base_from_sensor),
                                result.residuals[index]};
         if (result.labels[index] == ReturnLabel::kStatic) mean.static_points.push_back(point);
         if (result.labels[index] == ReturnLabel::kDynamic) mean.dynamic_points.push_back(point);

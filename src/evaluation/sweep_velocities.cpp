@@ -3,66 +3,18 @@
 #include "sweep_velocities.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
-#include <memory>
+#include <limits>
 #include <utility>
 
-#include "radar_dot/radar/sensor_velocity.h"
 #include "radar_dot/radar/sweep_assembler.h"
+#include "radar_dot/vision/rigid_motion.h"
 
 namespace radar_dot::evaluation {
 namespace {
 
 constexpr double kMaxVelocityAge = 1.0;  // s
-
-/// Every sweep of the scene, assembled as on a vehicle where each scan arrives at its stamp.
-std::vector<Sweep> assembleSweeps(const RadarScene& scene, const VelocityEvaluationOptions& options) {
-  std::vector<SweepScan> arrivals;
-  for (std::size_t radar = 0; radar < scene.radars.size(); ++radar) {
-    for (const LoadedScan& scan : scene.radars[radar].scans) {
-      // Not owned: the scene outlives its sweeps.
-      arrivals.push_back(
-          {radar, scan.time, std::shared_ptr<const void>(std::shared_ptr<const void>(), &scan)});
-    }
-  }
-  std::stable_sort(arrivals.begin(), arrivals.end(),
-                   [](const SweepScan& a, const SweepScan& b) { return a.time < b.time; });
-  SweepAssembler assembler(scene.radars.size(), options.ego_velocity.sweep);
-  std::vector<Sweep> sweeps;
-  std::vector<Sweep> completed;
-  for (SweepScan& scan : arrivals) {
-    assembler.add(std::move(scan), completed);
-    std::move(completed.begin(), completed.end(), std::back_inserter(sweeps));
-  }
-  return sweeps;
-}
-
-/// The filter as on a vehicle, which hears of every valid estimate.
-class SweepFilter {
- public:
-  explicit SweepFilter(const VelocityEvaluationOptions& options)
-      : with_radars_(options.filter_radars),
-        params_(options.ego_velocity.estimator),
-        filter_(options.ego_velocity.filter_params) {}
-
-  void add(double time, const std::vector<RadarScan>& scans, const EgoVelocityResult& result,
-           SweepVelocities& sweeps) {
-    std::vector<SensorVelocity> sensors;
-    if (with_radars_) sensors = sensorVelocities(scans, result, params_);
-    switch (filter_.update(time, result, sensors)) {
-      case VelocityFilter::Outcome::kRejected: ++sweeps.filter_rejected; break;
-      case VelocityFilter::Outcome::kStarted: ++sweeps.filter_starts; break;
-      case VelocityFilter::Outcome::kUpdated: break;
-      case VelocityFilter::Outcome::kStale: return;
-    }
-    sweeps.filtered.emplace_back(filter_.at(time), result);
-  }
-
- private:
-  bool with_radars_;
-  EgoVelocityParams params_;
-  VelocityFilter filter_;
-};
 
 }  // namespace
 
@@ -92,67 +44,75 @@ const EstimatedVelocity* latestAt(const std::vector<EstimatedVelocity>& velociti
   return after == velocities.begin() ? nullptr : &*std::prev(after);
 }
 
-Eigen::Vector3d accelerationAt(const std::vector<EstimatedVelocity>& velocities, double time) {
-  AccelerationTracker tracker;
-  for (const EstimatedVelocity& velocity : velocities) {
-    if (velocity.time > time) break;
-    if (time - velocity.time < kMaxVelocityAge) tracker.add(velocity.time, velocity.linear);
-  }
-  return tracker.acceleration(time);
+MotionBetween heldMotion(const StampedVelocity& velocity) {
+  return [velocity](double begin, double end, std::string& missing) -> std::optional<Eigen::Isometry3d> {
+    if (std::abs(end - velocity.time) <= kMaxVelocityAge)
+      return baseMotion(velocity.linear, velocity.angular, end - begin);
+    missing = "no fresh velocity";
+    return std::nullopt;
+  };
 }
 
-double yawRateAt(const std::vector<EstimatedVelocity>& velocities, double time) {
-  const EstimatedVelocity* latest = latestAt(velocities, time);
-  return latest != nullptr && time - latest->time < kMaxVelocityAge ? latest->angular.z() : 0.0;
-}
-
-void turnBearings(std::vector<RadarScan>& scans, double bearing_delay, double yaw_rate) {
-  for (RadarScan& scan : scans) scan.bearing_rotation = bearing_delay * yaw_rate;
-}
-
-SavedMasks::SavedMasks(const dataset::Tables& tables, dataset::Index scene,
-                       const VelocityEvaluationOptions& options)
-    : feedback_(options.ego_velocity) {
-  if (!options.masks.directory.empty())
-    folder_.emplace(tables, scene, options.masks.directory, options.masks.channel, options.masks.delay);
-}
-
-void SavedMasks::mark(std::vector<RadarScan>& scans, const std::vector<EstimatedVelocity>& velocities,
-                      double time) {
-  if (!folder_) return;
-  const EstimatedVelocity* latest = latestAt(velocities, time);
-  if (latest == nullptr) return;
-  feedback_.mark(
-      scans, [this](double scan_time) { return folder_->before(scan_time); }, *latest);
-}
-
-SweepVelocities sweepVelocities(const RadarScene& scene, const VelocityEvaluationOptions& options,
-                                SavedMasks& masks) {
-  SweepVelocities sweeps;
-  EgoVelocityEstimator estimator(options.ego_velocity.estimator);
-  AccelerationTracker tracker;
-  SweepFilter filter(options);
-  for (const Sweep& sweep : assembleSweeps(scene, options)) {
-    std::vector<RadarScan> scans;
-    for (const SweepScan& scan : sweep.scans) {
-      const auto* loaded = static_cast<const LoadedScan*>(scan.reading.get());
-      scans.push_back({&loaded->returns, scene.radars[scan.radar].T_base_from_sensor, scan.time, nullptr});
-      scans.back().radar = scan.radar;
+std::vector<SceneSweep> assembleSweeps(const RadarScene& scene, const SweepParams& params) {
+  using Assembler = SweepAssembler<RadarScan>;
+  std::vector<Assembler::Scan> arrivals;
+  for (const LoadedRadar& radar : scene.radars)
+    for (std::size_t i = 0; i < radar.scans.size(); ++i)
+      arrivals.push_back({radar.number, radar.scans[i].time, radar.scan(i)});
+  std::stable_sort(arrivals.begin(), arrivals.end(),
+                   [](const Assembler::Scan& a, const Assembler::Scan& b) { return a.time < b.time; });
+  Assembler assembler(scene.radars.size(), params);
+  std::vector<SceneSweep> sweeps;
+  std::vector<Assembler::Sweep> completed;
+  for (Assembler::Scan& arrival : arrivals) {
+    assembler.add(std::move(arrival), completed);
+    for (const Assembler::Sweep& sweep : completed) {
+      sweeps.push_back({sweep.time(), {}});
+      for (const Assembler::Scan& scan : sweep.scans) sweeps.back().scans.push_back(scan.reading);
     }
-    ++sweeps.count;
-    masks.mark(scans, sweeps.velocities, sweep.time());
-    turnBearings(scans, options.ego_velocity.bearing_delay, yawRateAt(sweeps.velocities, sweep.time()));
-    const EgoVelocityResult& result =
-        estimator.estimate(scans, sweep.time(), tracker.acceleration(sweep.time()));
-    if (!result.valid()) {
-      ++sweeps.refused;
-      continue;
-    }
-    if (result.observed[0]) tracker.add(sweep.time(), result.linear);
-    sweeps.velocities.emplace_back(sweep.time(), result);
-    if (options.ego_velocity.filter) filter.add(sweep.time(), scans, result, sweeps);
   }
   return sweeps;
+}
+
+SweepRunner::SweepRunner(const dataset::Tables& tables, dataset::Index index, const RadarScene& scene,
+                         const VelocityEvaluationOptions& options)
+    : config_(options.ego_velocity), sweeps_(assembleSweeps(scene, config_.sweep)), estimator_(config_) {
+  if (!options.masks.directory.empty())
+    masks_.emplace(tables, index, options.masks.directory, options.masks.channel, options.masks.delay);
+}
+
+void SweepRunner::mark(std::vector<RadarScan>& scans) {
+  if (!masks_ || velocities_.velocities.empty()) return;
+  for (RadarScan& scan : scans) {
+    if (const StampedMask* mask = masks_->before(scan.time)) {
+      markReturns(scan, *mask, config_.mask_max_age, config_.footprint,
+                  heldMotion(velocities_.velocities.back()));
+    }
+  }
+}
+
+const SweepVelocities& SweepRunner::upTo(double time) {
+  for (; next_ < sweeps_.size() && sweeps_[next_].time <= time; ++next_) {
+    SceneSweep& sweep = sweeps_[next_];
+    ++velocities_.count;
+    mark(sweep.scans);
+    const SweepEstimate estimate = estimator_.estimate(sweep.scans, sweep.time);
+    if (!estimate.single.valid()) {
+      ++velocities_.refused;
+      continue;
+    }
+    velocities_.velocities.emplace_back(sweep.time, estimate.single);
+    if (!estimate.filtered) continue;
+    if (estimate.filtered->outcome == VelocityFilter::Outcome::kRejected) ++velocities_.filter_rejected;
+    if (estimate.filtered->outcome == VelocityFilter::Outcome::kStarted) ++velocities_.filter_starts;
+    velocities_.filtered.emplace_back(estimate.filtered->state, estimate.single);
+  }
+  return velocities_;
+}
+
+SweepVelocities sweepVelocities(const dataset::Tables& tables, dataset::Index index, const RadarScene& scene,
+                                const VelocityEvaluationOptions& options) {
+  return SweepRunner(tables, index, scene, options).upTo(std::numeric_limits<double>::infinity());
 }
 
 }  // namespace radar_dot::evaluation

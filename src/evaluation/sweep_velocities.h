@@ -7,10 +7,11 @@
 #include <optional>
 #include <vector>
 
-#include "mask_feedback.h"
 #include "mask_folder.h"
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
+#include "radar_dot/objects/mask_marking.h"
 #include "radar_dot/radar/odometry.h"
+#include "radar_dot/radar/sweep_estimator.h"
 #include "radar_scene.h"
 
 namespace radar_dot::evaluation {
@@ -29,24 +30,17 @@ struct EstimatedVelocity : StampedVelocity {
 
 /// The latest velocity at or before `time`; null where there is none.
 const EstimatedVelocity* latestAt(const std::vector<EstimatedVelocity>& velocities, double time);
-/// Acceleration (m/s^2) and yaw rate (rad/s) from the velocities up to `time`; zero where none is near.
-Eigen::Vector3d accelerationAt(const std::vector<EstimatedVelocity>& velocities, double time);
-double yawRateAt(const std::vector<EstimatedVelocity>& velocities, double time);
 
-/// Brings the bearings of scans to the time of their velocities.
-void turnBearings(std::vector<RadarScan>& scans, double bearing_delay, double yaw_rate);
+/// The motion at a velocity held before and after its time; none a second after it, when it says little.
+MotionBetween heldMotion(const StampedVelocity& velocity);
 
-/// What saved masks tell the estimator; nothing without them.
-class SavedMasks {
- public:
-  SavedMasks(const dataset::Tables& tables, dataset::Index scene, const VelocityEvaluationOptions& options);
-  /// Marks the returns of the scans of an estimate at `time`, with the velocity estimated last before.
-  void mark(std::vector<RadarScan>& scans, const std::vector<EstimatedVelocity>& velocities, double time);
-
- private:
-  std::optional<MaskFolder> folder_;
-  MaskFeedback feedback_;
+/// The scans of a sweep at `time` (s).
+struct SceneSweep {
+  double time = 0.0;
+  std::vector<RadarScan> scans;
 };
+/// All sweeps of a scene, which must outlive them, as on a vehicle where each scan arrives at its stamp.
+std::vector<SceneSweep> assembleSweeps(const RadarScene& scene, const SweepParams& params);
 
 /// Estimates of every sweep of a scene in time order.
 struct SweepVelocities {
@@ -56,7 +50,31 @@ struct SweepVelocities {
   std::size_t filter_rejected = 0, filter_starts = 0;
 };
 
-SweepVelocities sweepVelocities(const RadarScene& scene, const VelocityEvaluationOptions& options,
-                               SavedMasks& masks);
+/// Estimates the sweeps of a scene one after the other, as a vehicle does, with what saved masks tell.
+class SweepRunner {
+ public:
+  /// `scene` is that of `index` and must outlive it, as `tables` and `options` must.
+  SweepRunner(const dataset::Tables& tables, dataset::Index index, const RadarScene& scene,
+              const VelocityEvaluationOptions& options);
+
+  /// Estimates the sweeps up to `time` (s) that are still to come.
+  const SweepVelocities& upTo(double time);
+  /// Marks the returns of scans that lie in saved masks, with the velocity estimated last.
+  void mark(std::vector<RadarScan>& scans);
+  /// After the sweeps so far.
+  const SweepEstimator& estimator() const { return estimator_; }
+
+ private:
+  const EgoVelocityConfig& config_;
+  std::vector<SceneSweep> sweeps_;
+  std::size_t next_ = 0;
+  SweepEstimator estimator_;
+  std::optional<MaskFolder> masks_;
+  SweepVelocities velocities_;
+};
+
+/// Of all sweeps.
+SweepVelocities sweepVelocities(const dataset::Tables& tables, dataset::Index index, const RadarScene& scene,
+                                const VelocityEvaluationOptions& options);
 
 }  // namespace radar_dot::evaluation

@@ -30,10 +30,6 @@ constexpr std::size_t kMaxMissingMounts = 100;
 // A larger share of returns that are not finite is worth a warning.
 constexpr double kMaxShareNotFinite = 0.5;
 
-std::shared_ptr<const RadarReading> readingOf(const SweepScan& scan) {
-  return std::static_pointer_cast<const RadarReading>(scan.reading);
-}
-
 }  // namespace
 
 void EgoVelocityNodelet::onInit() {
@@ -126,7 +122,7 @@ void EgoVelocityNodelet::apply(const EgoVelocityConfig& config) {
     if (!sameFields(radar->extractor.params(), params))
       extractors.emplace_back(radar.get(), DopplerExtractor(params));
   }
-  chain_.configure(config);
+  estimator_.configure(config);
 
   for (auto& [radar, extractor] : extractors) radar->extractor = std::move(extractor);
   mask_->configure(config);
@@ -232,7 +228,7 @@ void EgoVelocityNodelet::addScan(std::size_t index, const sensor_msgs::PointClou
 void EgoVelocityNodelet::clearHistory(const ros::Time& stamp) {
   NODELET_WARN("%s: time jumped back to %.3f s; resetting", getName().c_str(), stamp.toSec());
   assembler_->reset();
-  chain_.reset();
+  estimator_.reset();
   mask_->forget();
   estimator_monitor_->reset();
   for (const std::unique_ptr<Radar>& radar : radars_) {
@@ -241,110 +237,97 @@ void EgoVelocityNodelet::clearHistory(const ros::Time& stamp) {
   }
 }
 
-std::vector<EgoVelocityNodelet::MountedScan> EgoVelocityNodelet::mountedScans(const Sweep& sweep,
-                                                                              std::vector<RadarScan>& scans,
-                                                                              std::string& error) {
-  std::vector<MountedScan> mounted;
-  for (const SweepScan& scan : sweep.scans) {
-    Radar& radar = *radars_[scan.radar];
-    radar.monitor.used();
-    const std::shared_ptr<const RadarReading> reading = readingOf(scan);
-    const std::string& frame = reading->cloud->header.frame_id;
-    std::string cause;
-    const std::optional<Eigen::Isometry3d> mount = extrinsics_->lookup(frame, cause);
-    radar.monitor.mount(cause);
-    if (!mount) {
-      const ros::WallTime now = ros::WallTime::now();
-      if (mount_missing_since_.size() > kMaxMissingMounts) mount_missing_since_.clear();
-      const ros::WallTime since = mount_missing_since_.try_emplace(frame, now).first->second;
-      if ((now - since).toSec() > kMountTimeout && throttle_.allow(radar.name, cause)) {
-        NODELET_WARN("%s: the scans on '%s' are skipped: %s", getName().c_str(), radar.entry.topic.c_str(),
-                     cause.c_str());
-      }
-      error = cause;
-      continue;
-    }
+std::optional<Eigen::Isometry3d> EgoVelocityNodelet::mountOf(Radar& radar, const std::string& frame,
+                                                             std::string& error) {
+  std::string cause;
+  std::optional<Eigen::Isometry3d> mount = extrinsics_->lookup(frame, cause);
+  radar.monitor.mount(cause);
+  if (mount) {
     mount_missing_since_.erase(frame);
-    RadarScan& estimated = scans.emplace_back();
-    estimated.returns = &reading->returns;
-    estimated.T_base_from_sensor = *mount;
-    estimated.T_base_from_sensor.linear() =
+    mount->linear() =
         Eigen::AngleAxisd(radar.entry.mount_yaw_correction, Eigen::Vector3d::UnitZ()) * mount->linear();
-    estimated.time = scan.time;
-    estimated.radar = scan.radar;
-    estimated.bearing_rotation = chain_.bearingRotation(scan.time);
-    mounted.push_back(
-        {scan.radar, reading,
-         mask_->marked(reading->returns, estimated.T_base_from_sensor, reading->cloud->header.stamp)});
+    return mount;
   }
-  // Only now: the vector above no longer moves.
-  for (std::size_t i = 0; i < mounted.size(); ++i)
-    if (!mounted[i].in_mask.empty()) scans[i].known_dynamic = &mounted[i].in_mask;
-  return mounted;
+  const ros::WallTime now = ros::WallTime::now();
+  if (mount_missing_since_.size() > kMaxMissingMounts) mount_missing_since_.clear();
+  const ros::WallTime since = mount_missing_since_.try_emplace(frame, now).first->second;
+  if ((now - since).toSec() > kMountTimeout && throttle_.allow(radar.name, cause)) {
+    NODELET_WARN("%s: the scans on '%s' are skipped: %s", getName().c_str(), radar.entry.topic.c_str(),
+                 cause.c_str());
+  }
+  error = cause;
+  return std::nullopt;
 }
 
 void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
   std::vector<RadarScan> scans;
+  Readings readings;
   std::string mount_error;
-  const std::vector<MountedScan> mounted = mountedScans(sweep, scans, mount_error);
+  for (const Assembler::Scan& scan : sweep.scans) {
+    Radar& radar = *radars_[scan.radar];
+    radar.monitor.used();
+    const auto mount = mountOf(radar, scan.reading->cloud->header.frame_id, mount_error);
+    if (!mount) continue;
+    scans.push_back({scan.reading->returns, *mount, scan.time, scan.radar});
+    mask_->mark(scans.back());
+    readings.push_back(scan.reading);
+  }
 
-  const ros::Time stamp = readingOf(sweep.scans[sweep.newest])->cloud->header.stamp;
+  const ros::Time stamp = sweep.scans[sweep.newest].reading->cloud->header.stamp;
   const auto start = std::chrono::steady_clock::now();
-  const EgoVelocityResult& result = chain_.estimate(scans, sweep.time());
+  const SweepEstimate estimate = estimator_.estimate(scans, sweep.time());
   const double computation_time =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const EgoVelocityResult& result = estimate.single;
   estimator_monitor_->estimate(stamp, ros::Time::now(), result, sweep.left_out, computation_time);
 
   std::string reason = result.reason;
   if (!result.valid() && !mount_error.empty()) reason += "; " + mount_error;
-  publishStatus(stamp, result, mounted, reason, computation_time);
+  publishStatus(stamp, result, readings, reason, computation_time);
   if (!result.valid()) {
     if (throttle_.allow("estimate", "refused"))
       NODELET_WARN("%s: no estimate: %s", getName().c_str(), reason.c_str());
     return;
   }
   if (result.observed[0]) mask_->add({sweep.time(), result.linear, result.angular});
-  publishTwist(stamp, sweep.time(), scans, result);
-  publishClouds(mounted, result);
+  publishTwist(stamp, estimate);
+  publishClouds(readings, result);
 }
 
-void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, double time,
-                                      const std::vector<RadarScan>& scans, const EgoVelocityResult& result) {
-  const auto raw = twistMessage(stamp, extrinsics_->baseFrame(), result);
+void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, const SweepEstimate& estimate) {
+  const auto raw = twistMessage(stamp, extrinsics_->baseFrame(), estimate.single);
   raw_twist_publisher_.publish(raw);
-  if (!chain_.filters()) {
+  if (!config_.filter) {
     twist_publisher_.publish(raw);
     return;
   }
-  const std::optional<VelocityChain::Filtered> filtered = chain_.filtered(time, scans, result);
-  if (!filtered) return;
-  if (filtered->was_reset && throttle_.allow("filter", "reset")) {
+  if (!estimate.filtered) return;
+  if (estimate.filtered->was_reset && throttle_.allow("filter", "reset")) {
     NODELET_WARN("%s: velocity filter reset: gap in the input, or repeated estimates outside its gate",
                  getName().c_str());
   }
-  twist_publisher_.publish(twistMessage(stamp, extrinsics_->baseFrame(), filtered->velocity));
+  twist_publisher_.publish(twistMessage(stamp, extrinsics_->baseFrame(),
+                                        filteredResult(estimate.filtered->state, estimate.single)));
 }
 
 void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const EgoVelocityResult& result,
-                                       const std::vector<MountedScan>& mounted, const std::string& reason,
+                                       const Readings& readings, const std::string& reason,
                                        double computation_time) {
   if (status_publisher_.getNumSubscribers() == 0) return;
-  EgoStatus message = statusMessage(stamp, extrinsics_->baseFrame(), chain_.params(), result);
+  EgoStatus message = statusMessage(stamp, extrinsics_->baseFrame(), estimator_.params(), result);
   message.reason = reason;
-  for (const MountedScan& scan : mounted) {
-    message.total_count += static_cast<std::uint32_t>(scan.reading->counts.total);
-  }
-  message.radar_count = static_cast<std::uint32_t>(mounted.size());
+  for (const auto& reading : readings)
+    message.total_count += static_cast<std::uint32_t>(reading->counts.total);
+  message.radar_count = static_cast<std::uint32_t>(readings.size());
   message.computation_time = computation_time;
   status_publisher_.publish(message);
 }
 
-void EgoVelocityNodelet::publishClouds(const std::vector<MountedScan>& scans,
-                                       const EgoVelocityResult& result) {
+void EgoVelocityNodelet::publishClouds(const Readings& readings, const EgoVelocityResult& result) {
   const auto publish = [&](const ros::Publisher& publisher, ReturnLabel wanted) {
     if (publisher.getNumSubscribers() == 0) return;
-    for (std::size_t i = 0; i < scans.size(); ++i) {
-      const RadarReading& reading = *scans[i].reading;
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      const RadarReading& reading = *readings[i];
       publisher.publish(labelledCloud(*reading.cloud, reading.view, reading.returns,
                                       result.residuals.data() + result.offsets[i],
                                       result.labels.data() + result.offsets[i], wanted));

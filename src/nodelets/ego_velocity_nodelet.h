@@ -19,10 +19,10 @@
 #include "nodelets/inputs/extrinsics.h"
 #include "nodelets/inputs/mask_input.h"
 #include "nodelets/inputs/stamp_guard.h"
-#include "nodelets/inputs/velocity_chain.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/sweep_assembler.h"
+#include "radar_dot/radar/sweep_estimator.h"
 
 namespace radar_dot {
 
@@ -54,12 +54,9 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
     DopplerExtractor extractor;
     ros::Subscriber subscriber;
   };
-  /// A scan of a sweep whose mount is known.
-  struct MountedScan {
-    std::size_t radar = 0;
-    std::shared_ptr<const RadarReading> reading;
-    std::vector<std::uint8_t> in_mask;  // by return; empty: no mask tells
-  };
+  using Assembler = SweepAssembler<std::shared_ptr<const RadarReading>>;
+  using Sweep = Assembler::Sweep;
+  using Readings = std::vector<std::shared_ptr<const RadarReading>>;
 
   void onInit() override;
   void setUpRadars(const std::map<std::string, RadarEntry>& entries);
@@ -79,23 +76,21 @@ class EgoVelocityNodelet : public nodelet::Nodelet {
   void clearHistory(const ros::Time& stamp);
 
   void processSweep(const Sweep& sweep);
-  std::vector<MountedScan> mountedScans(const Sweep& sweep, std::vector<RadarScan>& scans,
-                                        std::string& error);
-  void publishStatus(const ros::Time& stamp, const EgoVelocityResult& result,
-                     const std::vector<MountedScan>& mounted, const std::string& reason,
-                     double computation_time);
-  void publishTwist(const ros::Time& stamp, double time, const std::vector<RadarScan>& scans,
-                    const EgoVelocityResult& result);
-  void publishClouds(const std::vector<MountedScan>& scans, const EgoVelocityResult& result);
+  /// The mount of a scan; none, with the reason in `error`, where it is not known.
+  std::optional<Eigen::Isometry3d> mountOf(Radar& radar, const std::string& frame, std::string& error);
+  void publishStatus(const ros::Time& stamp, const EgoVelocityResult& result, const Readings& readings,
+                     const std::string& reason, double computation_time);
+  void publishTwist(const ros::Time& stamp, const SweepEstimate& estimate);
+  void publishClouds(const Readings& readings, const EgoVelocityResult& result);
 
   std::unique_ptr<Extrinsics> extrinsics_;
   std::vector<std::unique_ptr<Radar>> radars_;
   std::string configuration_error_;  // of the radars
   EgoVelocityConfig config_;         // in force
   StreamExpectation expectation_;
-  std::optional<SweepAssembler> assembler_;
+  std::optional<Assembler> assembler_;
   std::vector<Sweep> completed_;  // kept between calls for its memory
-  VelocityChain chain_;
+  SweepEstimator estimator_;
   std::unique_ptr<MaskInput> mask_;
   ClockWatch clock_;
   std::map<std::string, ros::WallTime> mount_missing_since_;  // by frame

@@ -113,12 +113,12 @@ bool stepWeighted(const ConstraintSystem& system, const SolverScratch& scratch, 
 
 /// Solves N rows exactly; false for samples so close to parallel that they amplify noise.
 template <int N>
-bool solveMinimal(const Matrix<N>& a, const Vector<N>& b, Parameters& solution) {
-  constexpr double kMinDeterminant = 1e-3;
+bool solveMinimal(const Matrix<N>& a, const Vector<N>& b, double lever_arm, Parameters& solution) {
+  constexpr double kMinDeterminant = 1e-3;  // with columns of size 1
   double determinant = 0.0;
   bool invertible = false;
   Matrix<N> inverse;
-  a.computeInverseAndDetWithCheck(inverse, determinant, invertible, kMinDeterminant);
+  a.computeInverseAndDetWithCheck(inverse, determinant, invertible, kMinDeterminant * lever_arm);
   if (!invertible) return false;
   solution.setZero();
   solution.template head<N>() = inverse * b;
@@ -138,7 +138,7 @@ std::array<std::size_t, N> drawSample(Random& random, std::size_t rows) {
 }
 
 template <int N>
-bool hypothesize(const ConstraintSystem& system, Random& random, Parameters& hypothesis) {
+bool hypothesize(const ConstraintSystem& system, double lever_arm, Random& random, Parameters& hypothesis) {
   const auto sample = drawSample<N>(random, system.rows);
   Matrix<N> a;
   Vector<N> b;
@@ -147,7 +147,7 @@ bool hypothesize(const ConstraintSystem& system, Random& random, Parameters& hyp
     a.row(k) = row<N>(system, i).transpose();
     b[k] = static_cast<double>(system.right_hand_side[i]);
   }
-  return solveMinimal<N>(a, b, hypothesis);
+  return solveMinimal<N>(a, b, lever_arm, hypothesis);
 }
 
 /// Sum of min(e^2, truncation); stops early once it cannot fall below `limit` any more.
@@ -174,7 +174,7 @@ bool ransac(const ConstraintSystem& system, const RansacParams& params, Paramete
   float best_cost = std::numeric_limits<float>::infinity();
   for (int iteration = 0; iteration < params.iterations; ++iteration) {
     Parameters hypothesis;
-    if (!hypothesize<N>(system, random, hypothesis)) continue;
+    if (!hypothesize<N>(system, params.lever_arm, random, hypothesis)) continue;
     const float cost = truncatedCost<N>(system, hypothesis, truncation, best_cost);
     if (!(cost < best_cost)) continue;
     best_cost = cost;

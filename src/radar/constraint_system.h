@@ -63,6 +63,9 @@ struct RansacParams {
   std::uint64_t seed = 1;
   int iterations = 100;
   double inlier_threshold = 0.3;  ///< m/s
+  /// Size of the one column that is not made of unit vectors: m, the largest lever arm, of the yaw rate.
+  /// Which samples are too close to parallel does not depend on it.
+  double lever_arm = 1.0;
 };
 
 /// Least squares over all rows. All solvers return false when the system is singular.

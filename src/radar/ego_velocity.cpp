@@ -5,12 +5,14 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "constraint_system.h"
 #include "model_axes.h"
-#include "segmentation.h"
 #include "rotated_return.h"
+#include "segmentation.h"
 
 namespace radar_dot {
 
@@ -36,7 +38,8 @@ struct EgoVelocityEstimator::Workspace {
   std::vector<float> residuals;  ///< of `active`
   std::vector<Eigen::Vector2f> positions;
   std::vector<std::size_t> candidates;
-  EgoVelocityResult result;
+  double lever_arm = 0.0;    ///< m, the largest of a usable row
+  EgoVelocityResult result;  ///< during an estimate, in the memory of the caller
 
   static Row unusableRow() {
     return {
@@ -48,6 +51,8 @@ struct EgoVelocityEstimator::Workspace {
   bool solvePass(const EgoVelocityParams& params, const ConstraintSystem& system, bool consensus,
                  Parameters& solution);
   EstimateStatus solve(const EgoVelocityParams& params, Observability& observability, Parameters& reduced);
+  EstimateStatus noConsensus(std::size_t agreeing, double within);
+  EstimateStatus singular();
   void finish(const EgoVelocityParams& params, const Observability& observability, const Parameters& reduced);
   Eigen::Matrix3d reducedCovariance(const EgoVelocityParams& params, double threshold, double widening);
   void label(const EgoVelocityParams& params);
@@ -78,29 +83,28 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params,
                                             const std::vector<RadarScan>& scans, double reference_time,
                                             const Eigen::Vector3d& acceleration) {
   rows.clear();
+  lever_arm = 0.0;
   result.offsets.clear();
   for (const RadarScan& scan : scans) {
     result.offsets.push_back(rows.size());
-    if (scan.returns == nullptr) continue;
     const Eigen::Matrix3f R_base_from_sensor = scan.T_base_from_sensor.linear().cast<float>();
     const Eigen::Vector3f mount = scan.T_base_from_sensor.translation().cast<float>();
     const auto delay = static_cast<float>(reference_time - scan.time);
     const Eigen::Vector3f velocity_change = (acceleration * (reference_time - scan.time)).cast<float>();
-    for (std::size_t i = 0; i < scan.returns->size(); ++i) {
-      const DopplerReturn& measured = (*scan.returns)[i];
+    for (std::size_t i = 0; i < scan.returns.size(); ++i) {
+      const DopplerReturn& measured = scan.returns[i];
       Row row;
       const RotatedReturn seen = rotatedReturn(measured, R_base_from_sensor, scan.bearing_rotation);
       row.bearing = seen.bearing;
       row.mount = mount;
-      row.position = (mount + measured.range * row.bearing).head<2>();
+      row.position = (mount + measured.range * (R_base_from_sensor * measured.bearing)).head<2>();
       row.delay = delay;
       // v at the scan = v at the reference time - a (t_ref - t).
       row.right_hand_side = -seen.doppler + row.bearing.dot(velocity_change);
       row.usable = row.mount.allFinite() && row.position.allFinite() && std::isfinite(row.right_hand_side) &&
                    std::isfinite(row.delay);
       if (!row.usable) row = unusableRow();
-      row.known_dynamic =
-          scan.known_dynamic != nullptr && i < scan.known_dynamic->size() && (*scan.known_dynamic)[i] != 0;
+      row.known_dynamic = scan.knownDynamic(i);
       rows.push_back(row);
     }
   }
@@ -118,7 +122,9 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params,
     }
     all.right_hand_side[i] = rows[i].right_hand_side;
     all.variance[i] = static_cast<float>(params.noise.doppler_std * params.noise.doppler_std);
-    if (rows[i].usable && !rows[i].known_dynamic) indices.push_back(i);
+    if (!rows[i].usable || rows[i].known_dynamic) continue;
+    indices.push_back(i);
+    lever_arm = std::max(lever_arm, static_cast<double>(rows[i].mount.head<2>().norm()));
   }
 }
 
@@ -149,7 +155,11 @@ bool EgoVelocityEstimator::Workspace::solvePass(const EgoVelocityParams& params,
                                                 Parameters& solution) {
   if (params.solver == Solver::kLeastSquares) return solveLeastSquares(system, solution, scratch);
   if (!consensus) return refineRobust(system, params.robust_iterations, solution, scratch);
-  const RansacParams ransac{params.seed, params.ransac_iterations, params.inlier_threshold};
+  // Directions of a projected system are of length 1; the yaw rate has the lever arm as its column.
+  const bool has_lever_arm = system.parameters == all.parameters && params.model != MotionModel::kPlanar &&
+                             params.model != MotionModel::kSpatial;
+  const RansacParams ransac{params.seed, params.ransac_iterations, params.inlier_threshold,
+                            has_lever_arm ? lever_arm : 1.0};
   return solveRansac(system, ransac, solution, scratch) &&
          solveInliers(system, params.inlier_threshold, solution, scratch);
 }
@@ -175,9 +185,9 @@ EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& p
   };
 
   const bool robust = params.solver == Solver::kRansacRobust;
-  if (!solvePass(params, active, true, reduced)) return EstimateStatus::kNoConsensus;
+  if (!solvePass(params, active, true, reduced)) return singular();
   setVariance(params, fullSolution());
-  if (robust && !solvePass(params, active, false, reduced)) return EstimateStatus::kNoConsensus;
+  if (robust && !solvePass(params, active, false, reduced)) return singular();
   if (!params.two_pass) return EstimateStatus::kOk;
 
   // The paper's second pass: only returns whose residual lies below tau.
@@ -187,11 +197,25 @@ EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& p
   for (std::size_t i = 0; i < active.rows; ++i) {
     if (std::abs(residuals[i]) < tau) subset.push_back(i);
   }
-  if (subset.size() < static_cast<std::size_t>(params.min_returns)) return EstimateStatus::kNoConsensus;
+  if (subset.size() < static_cast<std::size_t>(params.min_returns))
+    return noConsensus(subset.size(), params.segmentation.threshold);
   if (subset.size() == active.rows && params.solver != Solver::kRansac) return EstimateStatus::kOk;
   gather(active, subset, pass);
   return solvePass(params, pass, !robust, reduced) ? EstimateStatus::kOk
                                                    : EstimateStatus::kDegenerateBearings;
+}
+
+EstimateStatus EgoVelocityEstimator::Workspace::noConsensus(std::size_t agreeing, double within) {
+  result.inlier_count = agreeing;
+  result.reason = fmt::format("only {} of {} returns agree on one velocity within {:.2f} m/s", agreeing,
+                              result.return_count, within);
+  return EstimateStatus::kNoConsensus;
+}
+
+EstimateStatus EgoVelocityEstimator::Workspace::singular() {
+  result.reason = fmt::format("no velocity found for {} returns: their bearings are too close to parallel",
+                              result.return_count);
+  return EstimateStatus::kNoConsensus;
 }
 
 /// Covariance of weighted least squares, with information I = A' W A and W = 1 / variance:
@@ -245,7 +269,8 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
   const double widening = freedom > 0.0 ? std::max(1.0, chi_squared / freedom) : 1.0;
   const Eigen::Matrix3d reduced_covariance = reducedCovariance(params, threshold, widening);
   const Eigen::Matrix3d basis = removeTrails(observability.basis, rank, model.count);
-  const Parameters solution = leastSideslipMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
+  const Parameters solution =
+      leastSideslipMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
   const Eigen::Matrix3d covariance = basis * reduced_covariance * basis.transpose();
 
   if (params.model == MotionModel::kAckermann)
@@ -266,7 +291,7 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
   } else if (result.inlier_count < static_cast<std::size_t>(params.min_returns) ||
              static_cast<double>(result.inlier_count) <
                  params.min_inlier_fraction * static_cast<double>(result.return_count)) {
-    result.status = EstimateStatus::kNoConsensus;
+    result.status = noConsensus(result.inlier_count, threshold);
   } else {
     evaluateResiduals(all, solution, result.residuals);
   }
@@ -291,17 +316,14 @@ void EgoVelocityEstimator::Workspace::label(const EgoVelocityParams& params) {
 void EgoVelocityEstimator::Workspace::refuse(const EgoVelocityParams& params, EstimateStatus status) {
   result.status = status;
   switch (status) {
-    case EstimateStatus::kOk: return;
+    case EstimateStatus::kOk:
+    case EstimateStatus::kNoConsensus: break;  // whoever found it has said why
     case EstimateStatus::kTooFewReturns:
       result.reason = fmt::format("{} accepted returns, {} needed", result.return_count, params.min_returns);
       break;
     case EstimateStatus::kDegenerateBearings:
       result.reason = fmt::format("the bearings of {} returns do not constrain the {} model",
                                   result.return_count, std::string(toString(params.model)));
-      break;
-    case EstimateStatus::kNoConsensus:
-      result.reason = fmt::format("only {} of {} returns agree on one velocity within {:.2f} m/s",
-                                  result.inlier_count, result.return_count, inlierThreshold(params));
       break;
   }
   clearVelocity(params);
@@ -325,28 +347,33 @@ EgoVelocityEstimator::~EgoVelocityEstimator() = default;
 EgoVelocityEstimator::EgoVelocityEstimator(EgoVelocityEstimator&&) noexcept = default;
 EgoVelocityEstimator& EgoVelocityEstimator::operator=(EgoVelocityEstimator&&) noexcept = default;
 
-const EgoVelocityResult& EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans,
-                                                        double reference_time,
-                                                        const Eigen::Vector3d& acceleration) {
+EgoVelocityResult EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans, double reference_time,
+                                                 const Eigen::Vector3d& acceleration) {
+  EgoVelocityResult result;
+  estimate(scans, reference_time, acceleration, result);
+  return result;
+}
+
+void EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans, double reference_time,
+                                    const Eigen::Vector3d& acceleration, EgoVelocityResult& result) {
   Workspace& w = *workspace_;
-  EgoVelocityResult& result = w.result;
-  result.status = EstimateStatus::kOk;
-  result.reason.clear();
+  w.result = std::move(result);
+  w.result.reason.clear();
   w.clearVelocity(params_);
-  result.condition_number = result.rms = 0.0;
-  result.return_count = result.inlier_count = result.dynamic_count = 0;
+  w.result.condition_number = w.result.rms = 0.0;
+  w.result.return_count = w.result.inlier_count = w.result.dynamic_count = 0;
 
   w.stack(params_, scans, reference_time, acceleration);
   Observability observability;
   Parameters reduced = Parameters::Zero();
-  result.status = w.solve(params_, observability, reduced);
-  if (result.valid()) w.finish(params_, observability, reduced);
-  if (result.valid()) {
+  w.result.status = w.solve(params_, observability, reduced);
+  if (w.result.valid()) w.finish(params_, observability, reduced);
+  if (w.result.valid()) {
     w.label(params_);
   } else {
-    w.refuse(params_, result.status);
+    w.refuse(params_, w.result.status);
   }
-  return result;
+  result = std::move(w.result);
 }
 
 }  // namespace radar_dot

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "segmentation.h"
 #include "rotated_return.h"
+#include "segmentation.h"
 
 namespace radar_dot {
 
@@ -13,14 +13,13 @@ std::vector<ReturnOverGround> returnsOverGround(const RadarScan& scan, const Eig
                                                 const Eigen::Vector3d& angular,
                                                 const OverGroundParams& params) {
   std::vector<ReturnOverGround> seen;
-  if (scan.returns == nullptr) return seen;
   const Eigen::Matrix3f R_base_from_sensor = scan.T_base_from_sensor.linear().cast<float>();
   const Eigen::Vector3d mount = scan.T_base_from_sensor.translation();
   const Eigen::Vector3d sensor_velocity = linear + angular.cross(mount);
   std::vector<float> velocities;
   std::vector<Eigen::Vector2f> positions;
-  for (std::size_t i = 0; i < scan.returns->size(); ++i) {
-    const DopplerReturn& measured = (*scan.returns)[i];
+  for (std::size_t i = 0; i < scan.returns.size(); ++i) {
+    const DopplerReturn& measured = scan.returns[i];
     const RotatedReturn turned = rotatedReturn(measured, R_base_from_sensor, scan.bearing_rotation);
     const Eigen::Vector3d bearing = turned.bearing.cast<double>();
     ReturnOverGround over;
@@ -46,10 +45,8 @@ std::vector<ReturnOverGround> returnsOverGround(const RadarScan& scan, const Eig
   std::vector<std::size_t> candidates;
   std::vector<ReturnLabel> labels;
   segmentReturns(params.segmentation, velocities, positions, candidates, labels);
-  for (std::size_t k = 0; k < seen.size(); ++k) {
-    const bool known = scan.known_dynamic != nullptr && (*scan.known_dynamic)[seen[k].index] != 0;
-    seen[k].label = known ? ReturnLabel::kDynamic : labels[k];
-  }
+  for (std::size_t k = 0; k < seen.size(); ++k)
+    seen[k].label = scan.knownDynamic(seen[k].index) ? ReturnLabel::kDynamic : labels[k];
   return seen;
 }
 

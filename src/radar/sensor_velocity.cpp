@@ -67,29 +67,28 @@ std::vector<SensorVelocity> sensorVelocities(const std::vector<RadarScan>& scans
   std::vector<Constraint> constraints;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const RadarScan& scan = scans[s];
-    if (scan.returns == nullptr || !scan.T_base_from_sensor.matrix().allFinite()) continue;
+    if (!scan.T_base_from_sensor.matrix().allFinite()) continue;
     const Eigen::Matrix3f R_base_from_sensor = scan.T_base_from_sensor.linear().cast<float>();
     const Eigen::Vector3d lever_arm = scan.T_base_from_sensor.translation();
     const Eigen::Vector3d velocity = result.linear + result.angular.cross(lever_arm);
     constraints.clear();
-    for (std::size_t i = 0; i < scan.returns->size(); ++i) {
+    for (std::size_t i = 0; i < scan.returns.size(); ++i) {
       if (std::abs(static_cast<double>(result.residuals[result.offsets[s] + i])) >=
           params.segmentation.threshold)
         continue;
-      if (scan.known_dynamic != nullptr && i < scan.known_dynamic->size() && (*scan.known_dynamic)[i] != 0)
-        continue;
-      const RotatedReturn seen = rotatedReturn((*scan.returns)[i], R_base_from_sensor, scan.bearing_rotation);
+      if (scan.knownDynamic(i)) continue;
+      const RotatedReturn seen = rotatedReturn(scan.returns[i], R_base_from_sensor, scan.bearing_rotation);
       const Eigen::Vector3d bearing = seen.bearing.cast<double>();
       if (!bearing.allFinite() || !std::isfinite(seen.doppler)) continue;
       const double tangential_speed = bearing.x() * velocity.y() - bearing.y() * velocity.x();
-      constraints.push_back({bearing.head<2>(),
-                             -static_cast<double>(seen.doppler) - bearing.z() * velocity.z(),
-                             params.noise.doppler_std * params.noise.doppler_std +
-                                 params.noise.azimuth_std * params.noise.azimuth_std * tangential_speed *
-                                     tangential_speed});
+      constraints.push_back(
+          {bearing.head<2>(), -static_cast<double>(seen.doppler) - bearing.z() * velocity.z(),
+           params.noise.doppler_std * params.noise.doppler_std +
+               params.noise.azimuth_std * params.noise.azimuth_std * tangential_speed * tangential_speed});
     }
     if (constraints.size() < static_cast<std::size_t>(params.sensor.min_sensor_returns)) continue;
-    if (std::optional<SensorVelocity> sensor = solve(constraints, velocity.head<2>(), params.sensor.sensor_scan_std)) {
+    if (std::optional<SensorVelocity> sensor =
+            solve(constraints, velocity.head<2>(), params.sensor.sensor_scan_std)) {
       sensor->radar = scan.radar;
       sensor->time = scan.time;
       sensor->lever_arm = lever_arm.head<2>();

@@ -45,16 +45,16 @@ void validate(const MaskFootprint& footprint) {
   requireLess(fields, footprint.bottom, footprint.top);
 }
 
-std::vector<std::uint8_t> pointsInMask(const std::vector<Eigen::Vector3f>& points, const cv::Mat& mask,
-                                       const CameraIntrinsics& camera,
-                                       const Eigen::Isometry3d& T_camera_from_base,
+std::vector<std::uint8_t> pointsInMask(const std::vector<Eigen::Vector3f>& points, const StampedMask& stamped,
                                        const MaskFootprint& footprint) {
+  const cv::Mat& mask = stamped.mask;
+  const CameraIntrinsics& camera = stamped.camera;
   if (mask.type() != CV_8UC1 || mask.cols != camera.width || mask.rows != camera.height) {
     throw std::invalid_argument("mask: expected CV_8UC1 of " + std::to_string(camera.width) + " x " +
                                 std::to_string(camera.height) + " px, the camera's grid");
   }
   std::vector<std::uint8_t> in_mask(points.size(), 0);
-  const Eigen::Isometry3f T = T_camera_from_base.cast<float>();
+  const Eigen::Isometry3f T = stamped.T_camera_from_base.cast<float>();
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) continue;
     const Eigen::Vector3f bottom =

@@ -38,7 +38,7 @@ TEST(ReturnsOverGround, StaticOnesStandAndMoversHaveTheirRadialVelocity) {
   const Vector3d position(10.0, 9.0, 0.5), velocity(-4.0, -2.0, 0.0);
   const std::vector<DopplerReturn> returns = {seenAt({8.0, 20.0, 0.5}, Vector3d::Zero()),
                                               seenAt(position, velocity)};
-  RadarScan scan{&returns, mount(), 7.0};
+  RadarScan scan{returns, mount(), 7.0};
   scan.radar = 3;
   const auto over = returnsOverGround(scan, kLinear, kAngular);
   ASSERT_EQ(over.size(), 2U);
@@ -61,7 +61,7 @@ TEST(ReturnsOverGround, CovarianceFollowsTheGeometry) {
   params.range_std = 0.2;
   params.noise.azimuth_std = 0.02;
   params.noise.doppler_std = 0.1;
-  const auto over = returnsOverGround({&returns, mount(), 0.0}, kLinear, kAngular, params);
+  const auto over = returnsOverGround({returns, mount(), 0.0}, kLinear, kAngular, params);
   ASSERT_EQ(over.size(), 1U);
   EXPECT_NEAR(over[0].covariance(1, 1), 0.04, 1e-4) << "range, straight to the left";
   EXPECT_NEAR(over[0].covariance(0, 0), 0.8 * 0.8, 1e-3) << "0.02 rad at 40 m";
@@ -73,14 +73,16 @@ TEST(ReturnsOverGround, LeavesOutWhatIsNotFiniteAndBelievesTheMask) {
   std::vector<DopplerReturn> returns = {seenAt({8.0, 20.0, 0.5}, Vector3d::Zero()),
                                         seenAt({8.0, 30.0, 0.5}, Vector3d::Zero())};
   returns[0].doppler = std::numeric_limits<float>::quiet_NaN();
-  const std::vector<std::uint8_t> known = {0, 1};
-  RadarScan scan{&returns, mount(), 0.0};
-  scan.known_dynamic = &known;
+  RadarScan scan{returns, mount(), 0.0};
+  scan.known_dynamic = {0, 1};
   const auto over = returnsOverGround(scan, kLinear, kAngular);
   ASSERT_EQ(over.size(), 1U);
   EXPECT_EQ(over[0].index, 1U);
   EXPECT_EQ(over[0].label, ReturnLabel::kDynamic);
   EXPECT_TRUE(returnsOverGround(RadarScan{}, kLinear, kAngular).empty());
+
+  scan.known_dynamic = {1};  // of the first return alone: nothing is known of the second
+  EXPECT_EQ(returnsOverGround(scan, kLinear, kAngular).at(0).label, ReturnLabel::kStatic);
 }
 
 }  // namespace

@@ -16,22 +16,24 @@ class Segmentation : public ::testing::Test {
   Segmentation()
       : sweep_(test::makeSweep(test::carMounts(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero())) {}
 
-  /// Adds a return of the front radar at (x, y) in the base frame with the given range rate.
-  std::size_t add(double x, double y, double doppler) {
-    const Eigen::Vector3d p = sweep_.mounts[0].inverse() * Eigen::Vector3d(x, y, 0.5);
+  /// Adds a return of a radar, the front one, at (x, y) in the base frame with the given range rate.
+  std::size_t add(double x, double y, double doppler, std::size_t radar = 0) {
+    const Eigen::Isometry3d& mount = sweep_.mounts[radar];
+    const Eigen::Vector3d p = mount.inverse() * Eigen::Vector3d(x, y, mount.translation().z());
     DopplerReturn measured;
     measured.bearing = p.normalized().cast<float>();
     measured.range = static_cast<float>(p.norm());
     measured.doppler = static_cast<float>(doppler);
-    sweep_.returns[0].push_back(measured);
-    return sweep_.returns[0].size() - 1;
+    sweep_.returns[radar].push_back(measured);
+    return sweep_.returns[radar].size() - 1;
   }
 
-  EgoVelocityResult estimate(const SegmentationParams& segmentation) {
+  EgoVelocityResult estimate(const SegmentationParams& segmentation, double bearing_rotation = 0.0) {
     EgoVelocityParams params;
     params.segmentation = segmentation;
-    EgoVelocityEstimator estimator(params);
-    return estimator.estimate(sweep_.scans(), 0.0);
+    std::vector<RadarScan> scans = sweep_.scans();
+    for (RadarScan& scan : scans) scan.bearing_rotation = bearing_rotation;
+    return EgoVelocityEstimator(params).estimate(scans, 0.0);
   }
 
   test::Sweep sweep_;
@@ -81,6 +83,18 @@ TEST_F(Segmentation, FastReturnsNeedNoCompany) {
 }
 
 // At 20 m/s a target seen 90 ms earlier lies 1.8 m nearer by now: neighbours are compared at one time.
+// Turned about their radars, which stand 1.3 m apart, the two would be 0.25 m apart.
+TEST_F(Segmentation, NeighboursAreWhereTheyWereMeasured) {
+  const std::size_t of_front = add(30.0, 10.0, 0.9);
+  const std::size_t of_left = add(30.0, 10.0, 0.9, 1);
+  SegmentationParams params;
+  params.neighbour_distance = 0.1;
+  const EgoVelocityResult result = estimate(params, 0.2);
+  ASSERT_TRUE(result.valid());
+  EXPECT_EQ(result.labels[of_front], ReturnLabel::kDynamic);
+  EXPECT_EQ(result.labels[result.offsets[1] + of_left], ReturnLabel::kDynamic);
+}
+
 TEST(SegmentationTime, NeighboursAreBroughtToOneTime) {
   const double speed = 20.0;
   test::Sweep sweep = test::makeSweep(test::carMounts(), {speed, 0.0, 0.0}, Eigen::Vector3d::Zero());

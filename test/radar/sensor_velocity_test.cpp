@@ -64,8 +64,7 @@ TEST(SensorVelocity, NeedsStaticReturnsAndAValidEstimate) {
   std::vector<RadarScan> scans = sweep.scans();
   EgoVelocityEstimator estimator;
   EXPECT_TRUE(sensorVelocities(scans, EgoVelocityResult{}).empty());
-  const std::vector<std::uint8_t> marked(scans[1].returns->size(), 1);
-  scans[1].known_dynamic = &marked;
+  scans[1].known_dynamic.assign(scans[1].returns.size(), 1);
   EXPECT_EQ(sensorVelocities(scans, estimator.estimate(scans, 0.0)).size(), scans.size() - 1);
 }
 
@@ -84,7 +83,8 @@ std::vector<DopplerReturn> lateReturns(const Vector3d& velocity, double yaw_rate
     seen.bearing = Eigen::Vector3d(std::cos(later), std::sin(later), 0.0).cast<float>();
     seen.range = static_cast<float>(range);
     seen.doppler = static_cast<float>(std::cos(later) * relative.x() + std::sin(later) * relative.y());
-    seen.tangential_speed = static_cast<float>(std::cos(later) * relative.y() - std::sin(later) * relative.x());
+    seen.tangential_speed =
+        static_cast<float>(std::cos(later) * relative.y() - std::sin(later) * relative.x());
   }
   return returns;
 }
@@ -107,7 +107,7 @@ TEST(BearingRotation, BringsBearingsToTheTimeOfTheVelocities) {
         r.tangential_speed *= -1.F;
       }
     }
-    RadarScan scan{&seen, mount, 0.0, nullptr};
+    RadarScan scan{seen, mount, 0.0};
     const Vector3d late = estimator.estimate({scan}, 0.0).linear;
     EXPECT_GT((late - v).norm(), 0.1) << "what the delay does";
     scan.bearing_rotation = kDelay * kYawRate;

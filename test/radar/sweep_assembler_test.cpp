@@ -10,27 +10,29 @@
 namespace radar_dot {
 namespace {
 
-using Outcome = SweepAssembler::Outcome;
+using Assembler = SweepAssembler<int>;
+using Outcome = Assembler::Outcome;
+using Sweep = Assembler::Sweep;
 
 // The radars of the sweeps that a scan completes, as text: "01|2".
-std::string add(SweepAssembler& assembler, std::size_t radar, double time) {
+std::string add(Assembler& assembler, std::size_t radar, double time) {
   std::vector<Sweep> sweeps;
-  assembler.add({radar, time, nullptr}, sweeps);
+  assembler.add({radar, time, 0}, sweeps);
   std::string text;
   for (const Sweep& sweep : sweeps) {
     if (!text.empty()) text += "|";
-    for (const SweepScan& scan : sweep.scans) text += std::to_string(scan.radar);
+    for (const Assembler::Scan& scan : sweep.scans) text += std::to_string(scan.radar);
   }
   return text;
 }
 
 TEST(SweepAssembler, OneRadarCompletesASweepWithEveryScan) {
-  SweepAssembler assembler(1);
+  Assembler assembler(1);
   for (int i = 0; i < 5; ++i) EXPECT_EQ(add(assembler, 0, 0.1 * i), "0");
 }
 
 TEST(SweepAssembler, WaitsForEveryRadar) {
-  SweepAssembler assembler(3);
+  Assembler assembler(3);
   EXPECT_EQ(add(assembler, 0, 0.00), "");
   EXPECT_EQ(add(assembler, 1, 0.01), "");
   EXPECT_EQ(add(assembler, 2, 0.02), "012");
@@ -40,14 +42,14 @@ TEST(SweepAssembler, WaitsForEveryRadar) {
 }
 
 TEST(SweepAssembler, SecondScanOfARadarEndsTheWaiting) {
-  SweepAssembler assembler(2);
+  Assembler assembler(2);
   EXPECT_EQ(add(assembler, 0, 0.00), "");
   EXPECT_EQ(add(assembler, 0, 0.07), "0") << "of 0.00 s; the scan of 0.07 s begins the next";
   EXPECT_EQ(add(assembler, 1, 0.08), "01");
 }
 
 TEST(SweepAssembler, SilentRadarIsNotWaitedForUntilItIsBack) {
-  SweepAssembler assembler(2, {0.1, 0.3, 1.0});
+  Assembler assembler(2, {0.1, 0.3, 1.0});
   add(assembler, 0, 0.00);
   EXPECT_EQ(add(assembler, 1, 0.01), "01");
   EXPECT_EQ(add(assembler, 0, 0.10), "");
@@ -59,7 +61,7 @@ TEST(SweepAssembler, SilentRadarIsNotWaitedForUntilItIsBack) {
 }
 
 TEST(SweepAssembler, RadarThatNeverSpeaksIsAwaitedAtTheBeginningOnly) {
-  SweepAssembler assembler(2, {0.1, 0.3, 1.0});
+  Assembler assembler(2, {0.1, 0.3, 1.0});
   EXPECT_EQ(add(assembler, 0, 7.00), "");
   EXPECT_EQ(add(assembler, 0, 7.20), "0");
   EXPECT_EQ(add(assembler, 0, 7.40), "0|0");
@@ -67,10 +69,10 @@ TEST(SweepAssembler, RadarThatNeverSpeaksIsAwaitedAtTheBeginningOnly) {
 }
 
 TEST(SweepAssembler, ScansOlderThanTheWindowAreLeftOut) {
-  SweepAssembler assembler(2, {0.05, 0.5, 1.0});
+  Assembler assembler(2, {0.05, 0.5, 1.0});
   add(assembler, 0, 0.01);
   std::vector<Sweep> sweeps;
-  assembler.add({1, 0.20, nullptr}, sweeps);
+  assembler.add({1, 0.20, 0}, sweeps);
   ASSERT_EQ(sweeps.size(), 1U);
   EXPECT_EQ(sweeps[0].scans.size(), 1U);
   EXPECT_EQ(sweeps[0].left_out, 1U);
@@ -78,34 +80,34 @@ TEST(SweepAssembler, ScansOlderThanTheWindowAreLeftOut) {
 }
 
 TEST(SweepAssembler, NewestScanGivesTheTimeWhateverTheOrderOfArrival) {
-  SweepAssembler assembler(3);
+  Assembler assembler(3);
   add(assembler, 1, 0.03);
   add(assembler, 2, 0.02);
   std::vector<Sweep> sweeps;
-  assembler.add({0, 0.025, nullptr}, sweeps);
+  assembler.add({0, 0.025, 0}, sweeps);
   ASSERT_EQ(sweeps.size(), 1U);
   EXPECT_EQ(sweeps[0].time(), 0.03);
   EXPECT_EQ(sweeps[0].scans[sweeps[0].newest].radar, 1U);
 }
 
 TEST(SweepAssembler, RepeatedAndLateScansOfARadarAreStale) {
-  SweepAssembler assembler(1);
+  Assembler assembler(1);
   std::vector<Sweep> sweeps;
-  EXPECT_EQ(assembler.add({0, 5.0, nullptr}, sweeps), Outcome::kAdded);
-  EXPECT_EQ(assembler.add({0, 5.0, nullptr}, sweeps), Outcome::kStale);
-  EXPECT_EQ(assembler.add({0, 4.5, nullptr}, sweeps), Outcome::kStale);
+  EXPECT_EQ(assembler.add({0, 5.0, 0}, sweeps), Outcome::kAdded);
+  EXPECT_EQ(assembler.add({0, 5.0, 0}, sweeps), Outcome::kStale);
+  EXPECT_EQ(assembler.add({0, 4.5, 0}, sweeps), Outcome::kStale);
   EXPECT_TRUE(sweeps.empty());
 }
 
 TEST(SweepAssembler, TimeGoingBackStartsAnewOnce) {
-  SweepAssembler assembler(2);
+  Assembler assembler(2);
   add(assembler, 0, 100.00);
   add(assembler, 1, 100.01);
   std::vector<Sweep> sweeps;
   add(assembler, 0, 100.07);
-  EXPECT_EQ(assembler.add({0, 2.0, nullptr}, sweeps), Outcome::kReset);
+  EXPECT_EQ(assembler.add({0, 2.0, 0}, sweeps), Outcome::kReset);
   EXPECT_TRUE(sweeps.empty()) << "the scan of 100.07 s is forgotten";
-  EXPECT_EQ(assembler.add({1, 2.01, nullptr}, sweeps), Outcome::kAdded)
+  EXPECT_EQ(assembler.add({1, 2.01, 0}, sweeps), Outcome::kAdded)
       << "the second radar's step back is no news";
   ASSERT_EQ(sweeps.size(), 1U);
   EXPECT_EQ(sweeps[0].scans.size(), 2U);
@@ -120,7 +122,7 @@ TEST(SweepAssembler, RandomStreamsKeepTheInvariants) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     const SweepParams params;
-    SweepAssembler assembler(5, params);
+    Assembler assembler(5, params);
     std::vector<std::pair<double, std::size_t>> stream;
     for (std::size_t radar = 0; radar < 5; ++radar) {
       double time = 0.1 * unit(random);
@@ -135,13 +137,13 @@ TEST(SweepAssembler, RandomStreamsKeepTheInvariants) {
     std::vector<double> last(5, -1.0);
     for (const auto& [time, radar] : stream) {
       std::vector<Sweep> sweeps;
-      ASSERT_EQ(assembler.add({radar, time, nullptr}, sweeps), Outcome::kAdded);
+      ASSERT_EQ(assembler.add({radar, time, 0}, sweeps), Outcome::kAdded);
       for (const Sweep& sweep : sweeps) {
         EXPECT_GT(sweep.time(), previous);
         previous = sweep.time();
         used += sweep.scans.size();
         left_out += sweep.left_out;
-        for (const SweepScan& scan : sweep.scans) {
+        for (const Assembler::Scan& scan : sweep.scans) {
           EXPECT_GT(scan.time, last[scan.radar]) << "used twice";
           last[scan.radar] = scan.time;
           EXPECT_LE(scan.time, sweep.time());

@@ -9,8 +9,7 @@ namespace radar_dot::test {
 
 std::vector<RadarScan> Sweep::scans() const {
   std::vector<RadarScan> result;
-  for (std::size_t i = 0; i < returns.size(); ++i)
-    result.push_back({&returns[i], mounts[i], times[i], nullptr});
+  for (std::size_t i = 0; i < returns.size(); ++i) result.push_back({returns[i], mounts[i], times[i], i});
   return result;
 }
 

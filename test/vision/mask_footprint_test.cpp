@@ -41,7 +41,7 @@ cv::Mat marked(const cv::Rect& area) {
 }
 
 int isIn(const Eigen::Vector3f& point, const cv::Mat& mask, const MaskFootprint& footprint = tenPixels()) {
-  return pointsInMask({point}, mask, camera(), mount(), footprint).at(0);
+  return pointsInMask({point}, {0.0, mask, camera(), mount()}, footprint).at(0);
 }
 
 TEST(MaskFootprint, TheColumnOfAPointIsWhereItProjects) {
@@ -67,10 +67,8 @@ TEST(MaskFootprint, TheMountIsApplied) {
   MaskFootprint footprint;
   footprint.bottom = 0.25;
   footprint.top = 1.25;
-  EXPECT_EQ(pointsInMask({{8.0F, 2.0F, 0.0F}}, marked({42, 35, 1, 5}), camera(), T_base_from_camera.inverse(),
-                         footprint)
-                .at(0),
-            1);
+  const StampedMask mask{0.0, marked({42, 35, 1, 5}), camera(), T_base_from_camera.inverse()};
+  EXPECT_EQ(pointsInMask({{8.0F, 2.0F, 0.0F}}, mask, footprint).at(0), 1);
 }
 
 TEST(MaskFootprint, HalfOfTheColumnDecides) {
@@ -91,7 +89,7 @@ TEST(MaskFootprint, OnlyVisiblePixelsCount) {
 }
 
 TEST(MaskFootprint, WhatTheCameraDoesNotSeeIsNotInTheMask) {
-  const cv::Mat everything(kRows, kColumns, CV_8UC1, cv::Scalar(255));
+  const StampedMask everything{0.0, cv::Mat(kRows, kColumns, CV_8UC1, cv::Scalar(255)), camera(), mount()};
   const std::vector<Eigen::Vector3f> points = {
       {8.0F, 0.0F, 0.0F},    // ahead
       {-8.0F, 0.0F, 0.0F},   // behind
@@ -106,9 +104,9 @@ TEST(MaskFootprint, WhatTheCameraDoesNotSeeIsNotInTheMask) {
       {8.0F, 6.25F, 0.0F},   // column 0
       {8.0F, -6.25F, 0.0F},  // column 100
   };
-  EXPECT_EQ(pointsInMask(points, everything, camera(), mount(), tenPixels()),
+  EXPECT_EQ(pointsInMask(points, everything, tenPixels()),
             (std::vector<std::uint8_t>{1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1}));
-  EXPECT_TRUE(pointsInMask({}, everything, camera(), mount()).empty());
+  EXPECT_TRUE(pointsInMask({}, everything).empty());
 }
 
 TEST(MaskFootprint, AnyValueButZeroIsMarked) {
@@ -117,8 +115,11 @@ TEST(MaskFootprint, AnyValueButZeroIsMarked) {
 
 TEST(MaskFootprint, RefusesMasksOfAnotherTypeOrSize) {
   const auto expect = [](const cv::Mat& mask) {
-    test::expectRefusal<std::invalid_argument>([&mask] { pointsInMask({}, mask, camera(), mount()); },
-                                               {"mask", "101 x 81"});
+    test::expectRefusal<std::invalid_argument>(
+        [&mask] {
+          pointsInMask({}, {0.0, mask, camera(), mount()});
+        },
+        {"mask", "101 x 81"});
   };
   expect(cv::Mat::zeros(kRows, kColumns, CV_32FC1));
   expect(cv::Mat::zeros(kRows, kColumns, CV_8UC3));

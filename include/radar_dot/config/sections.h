@@ -17,7 +17,7 @@
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/radar/returns_over_ground.h"
 #include "radar_dot/radar/sweep_assembler.h"
-#include "radar_dot/radar/velocity_filter.h"
+#include "radar_dot/radar/sweep_estimator.h"
 #include "radar_dot/vision/depth_estimator.h"
 #include "radar_dot/vision/mask_footprint.h"
 #include "radar_dot/vision/mask_pipeline.h"
@@ -40,7 +40,7 @@ struct RadarEntry {
 };
 
 /// Nodelet EgoVelocity, section ego_velocity.
-struct EgoVelocityConfig {
+struct EgoVelocityConfig : SweepEstimatorParams {
   std::string base_frame = "base_link";
   std::map<std::string, RadarEntry> radars;
   SweepParams sweep;
@@ -50,10 +50,6 @@ struct EgoVelocityConfig {
   double max_age = 0.5;
 
   ExtractionParams extraction;
-  double bearing_delay = 0.0;
-  EgoVelocityParams estimator;
-  bool filter = true;
-  VelocityFilterParams filter_params;
   bool use_mask = false;
   // Keyframes are 0.5 s apart, give or take a tenth, and the mask of a pair belongs to its first image: it is
   // half a second old at the begin of the next pair and a second at its end. This is that second and the

@@ -13,6 +13,7 @@
 
 #include "radar_dot/common/fields.h"
 #include "radar_dot/common/radar_noise.h"
+#include "radar_dot/common/span.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/motion_model.h"
 
@@ -44,10 +45,11 @@ struct SegmentationParams {
   double neighbour_velocity = 1.0;
 
   void describe(FieldList& fields) {
-    fields.add("threshold", threshold,
-               "Residual |d + u.v| between static and dynamic returns, tau of the paper: between the two passes, "
-               "for the filter, and as the final label without neighbourhood",
-               "m/s", {0.001, 100.0});
+    fields.add(
+        "threshold", threshold,
+        "Residual |d + u.v| between static and dynamic returns, tau of the paper: between the two passes, "
+        "for the filter, and as the final label without neighbourhood",
+        "m/s", {0.001, 100.0});
     fields.add("neighbourhood", neighbourhood,
                "Final labels take support from neighbouring returns; otherwise threshold alone decides");
     fields.add("isolated_threshold", isolated_threshold, "Residual that makes a lone return dynamic", "m/s",
@@ -70,10 +72,11 @@ struct SensorVelocityParams {
   int min_sensor_returns = 3;
 
   void describe(FieldList& fields) {
-    fields.add("sensor_scan_std", sensor_scan_std,
-               "1 sigma of the error shared by all returns of a scan beside that of the mount, which the filter "
-               "learns: for the velocity of each radar alone",
-               "m/s", {0.0, 100.0});
+    fields.add(
+        "sensor_scan_std", sensor_scan_std,
+        "1 sigma of the error shared by all returns of a scan beside that of the mount, which the filter "
+        "learns: for the velocity of each radar alone",
+        "m/s", {0.0, 100.0});
     fields.add("min_sensor_returns", min_sensor_returns,
                "Static returns below which a scan is not used by the filter", "", {1, 1000});
   }
@@ -102,27 +105,31 @@ struct EgoVelocityParams {
     fields.group("Estimator");
     fields.add("model", model, "Components of the motion of the base frame that are estimated");
     fields.add("solver", solver, "How the Doppler constraints are solved");
-    fields.add("two_pass", two_pass,
-               "Estimate, drop the returns beyond threshold, estimate again (A1, A2 of the paper); otherwise the "
-               "first estimate stands (B1, B2)");
+    fields.add(
+        "two_pass", two_pass,
+        "Estimate, drop the returns beyond threshold, estimate again (A1, A2 of the paper); otherwise the "
+        "first estimate stands (B1, B2)");
     fields.add("seed", seed, "Seed of the random sampling: same seed and input, same result");
     fields.add("ransac_iterations", ransac_iterations, "Hypotheses of the random sampling", "", {1, 1000000});
     fields.add("inlier_threshold", inlier_threshold, "Residual below which a return supports a hypothesis",
                "m/s", {0.001, 100.0});
-    fields.add("robust_iterations", robust_iterations, "Largest number of reweighted solutions", "", {1, 100});
+    fields.add("robust_iterations", robust_iterations, "Largest number of reweighted solutions", "",
+               {1, 100});
     noise.describe(fields);
-    fields.add("scan_std", scan_std,
-               "1 sigma of the error shared by all returns of one scan (quantisation, timing, scale, mount); 0: "
-               "independent returns",
-               "m/s", {0.0, 100.0});
+    fields.add(
+        "scan_std", scan_std,
+        "1 sigma of the error shared by all returns of one scan (quantisation, timing, scale, mount); 0: "
+        "independent returns",
+        "m/s", {0.0, 100.0});
     fields.add("min_returns", min_returns, "Accepted returns of a sweep below which there is no estimate", "",
                {3, 1000});
     fields.add("min_inlier_fraction", min_inlier_fraction,
-               "Fraction of inliers among the accepted returns below which there is no estimate", "", {0.0, 1.0});
+               "Fraction of inliers among the accepted returns below which there is no estimate", "",
+               {0.0, 1.0});
     fields.add("max_condition_number", max_condition_number,
                "Directions with a larger condition number are reported as unobserved", "", {1.001, 1e9});
-    fields.add("sideslip_std", sideslip_std, "1 sigma of the vy that the ackermann model takes as zero", "m/s",
-               {0.001, 100.0});
+    fields.add("sideslip_std", sideslip_std, "1 sigma of the vy that the ackermann model takes as zero",
+               "m/s", {0.001, 100.0});
     fields.add("unobserved_variance", unobserved_variance, "Variance of what the returns do not determine",
                "(m/s)^2 or (rad/s)^2", {1e-3, 1e12});
     fields.group("Segmentation");
@@ -132,17 +139,19 @@ struct EgoVelocityParams {
 
 /// One scan of one radar, ready for the estimator. The returns stay with the caller.
 struct RadarScan {
-  const std::vector<DopplerReturn>* returns = nullptr;
+  Span<const DopplerReturn> returns;
   Eigen::Isometry3d T_base_from_sensor = Eigen::Isometry3d::Identity();
-  double time = 0.0;  ///< s, the scan's own stamp
-  /// Optional, as long as *returns: nonzero = known to move (from an image mask), kept out of the
-  /// estimate and labelled dynamic.
-  const std::vector<std::uint8_t>* known_dynamic = nullptr;
-  /// rad, counter-clockwise in the base frame: turns the bearings of the scan to where they were when the
-  /// velocities were measured. A radar that brings its positions forward by the time T while the vehicle
-  /// turns with the rate w needs T w, see ExtractionParams.
-  double bearing_rotation = 0.0;
+  double time = 0.0;      ///< s, the scan's own stamp
   std::size_t radar = 0;  ///< number of the radar, the same in all sweeps; for sensorVelocities alone
+  /// By return: nonzero = known to move (from an image mask), kept out of the estimate and labelled dynamic.
+  /// What is missing at the end, or everything, is not known.
+  std::vector<std::uint8_t> known_dynamic = {};
+  /// rad, counter-clockwise in the base frame: turns the bearings of the scan to where they were when the
+  /// velocities were measured; positions are right as measured. A radar that brings its positions forward by
+  /// the time T while the vehicle turns with the rate w needs T w, see SweepEstimatorParams::bearing_delay.
+  double bearing_rotation = 0.0;
+
+  bool knownDynamic(std::size_t i) const { return i < known_dynamic.size() && known_dynamic[i] != 0; }
 };
 
 /// What became of an estimate.
@@ -205,7 +214,8 @@ struct EgoVelocityResult {
 /// (the paper's Doppler constraint, extended by the lever arm of the mount). A scan taken at time
 /// s is brought to the reference time with the given acceleration a: u.v = -(d + u.a (s - s_ref)).
 ///
-/// Not thread-safe; keeps its memory between calls, so that a steady stream does not allocate.
+/// Not thread-safe; keeps its memory between calls, so that a steady stream into one result does not
+/// allocate.
 class EgoVelocityEstimator {
  public:
   /// @throws std::invalid_argument naming the invalid parameter.
@@ -217,11 +227,13 @@ class EgoVelocityEstimator {
   /// @param scans           the sweep: one scan of each radar, any number of radars
   /// @param reference_time  s; the estimate holds at this time
   /// @param acceleration    m/s^2, base frame, of the base origin; zero when unknown
-  /// @return the result, owned by the estimator and valid until the next call. Bad geometry or
-  ///         data refuse with status and reason; nothing throws. Returns that are not finite, or
-  ///         whose mount or time is not, take no part and are labelled static.
-  const EgoVelocityResult& estimate(const std::vector<RadarScan>& scans, double reference_time,
-                                    const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero());
+  /// @param result          replaced; its memory is used again. Bad geometry or data refuse with status and
+  ///         reason; nothing throws. Returns that are not finite, or whose mount or time is not, take no part
+  ///         and are labelled static.
+  void estimate(const std::vector<RadarScan>& scans, double reference_time,
+                const Eigen::Vector3d& acceleration, EgoVelocityResult& result);
+  EgoVelocityResult estimate(const std::vector<RadarScan>& scans, double reference_time,
+                             const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero());
 
   const EgoVelocityParams& params() const noexcept { return params_; }
 

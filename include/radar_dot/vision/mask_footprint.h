@@ -31,15 +31,20 @@ struct MaskFootprint {
 /// @throws InvalidParameter, also for ends in the wrong order
 void validate(const MaskFootprint& footprint);
 
+/// A mask, and its camera.
+struct StampedMask {
+  double time = 0.0;  ///< s, of its image
+  cv::Mat mask;       ///< CV_8UC1 on the grid of `camera`, not 0 = marked
+  CameraIntrinsics camera;
+  Eigen::Isometry3d T_camera_from_base = Eigen::Isometry3d::Identity();
+};
+
 /// Which points lie on what a mask marks: the image's half of the loop between mask and velocity.
 /// @param points  m, base frame, at the time of the mask; those that are not finite, behind the camera or out
 ///                of its view are not in the mask
-/// @param mask    CV_8UC1 on the grid of `camera`, not 0 = marked
 /// @return one value per point: 1 = in the mask, 0 = not
 /// @throws std::invalid_argument for a mask of another type or size than the camera's grid
-std::vector<std::uint8_t> pointsInMask(const std::vector<Eigen::Vector3f>& points, const cv::Mat& mask,
-                                       const CameraIntrinsics& camera,
-                                       const Eigen::Isometry3d& T_camera_from_base,
+std::vector<std::uint8_t> pointsInMask(const std::vector<Eigen::Vector3f>& points, const StampedMask& mask,
                                        const MaskFootprint& footprint = {});
 
 }  // namespace radar_dot

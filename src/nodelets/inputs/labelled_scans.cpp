@@ -73,7 +73,7 @@ void LabelledScans::clear() {
 std::vector<ReturnOverGround> returnsOf(const LabelledScan& scan, const Eigen::Isometry3d& T_base_from_sensor,
                                         const StampedVelocity& velocity, const OverGroundParams& params) {
   std::vector<DopplerReturn> returns;
-  std::vector<std::uint8_t> moves;
+  RadarScan radar_scan;
   const Eigen::Vector3d sensor_velocity =
       velocity.linear + velocity.angular.cross(T_base_from_sensor.translation());
   const Eigen::Vector3f in_sensor = (T_base_from_sensor.linear().transpose() * sensor_velocity).cast<float>();
@@ -86,16 +86,14 @@ std::vector<ReturnOverGround> returnsOf(const LabelledScan& scan, const Eigen::I
       // The Doppler velocity of which this residual is what the vehicle's motion leaves.
       one.doppler = point.residual - one.bearing.dot(in_sensor);
       one.index = static_cast<std::uint32_t>(returns.size() - 1);
-      moves.push_back(known);
+      radar_scan.known_dynamic.push_back(known);
     }
   };
   add(scan.still, 0);
   add(scan.moving, 1);
-  RadarScan radar_scan;
-  radar_scan.returns = &returns;
+  radar_scan.returns = returns;
   radar_scan.T_base_from_sensor = T_base_from_sensor;
   radar_scan.time = scan.stamp.toSec();
-  radar_scan.known_dynamic = &moves;
   radar_scan.radar = scan.radar;
   return returnsOverGround(radar_scan, velocity.linear, velocity.angular, params);
 }

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "nodelets/common/read_parameters.h"
+#include "radar_dot/objects/mask_marking.h"
 
 namespace radar_dot {
 namespace {
@@ -92,56 +92,28 @@ void MaskInput::forget() {
   camera_monitor_.reset();
 }
 
-std::vector<std::uint8_t> MaskInput::marked(const std::vector<DopplerReturn>& returns,
-                                            const Eigen::Isometry3d& T_base_from_sensor,
-                                            const ros::Time& stamp) {
-  if (!enabled_) return {};
+void MaskInput::mark(RadarScan& scan) {
+  if (!enabled_) return;
   ++scans_;
   std::string reason;
-  std::vector<std::uint8_t> flags;
   try {
-    flags = markedBy(returns, T_base_from_sensor, stamp, reason);
+    reason = markByLatest(scan);
   } catch (const std::exception& error) {
     reason = error.what();  // a mask must never cost a scan
   }
-  if (flags.empty() && !returns.empty()) {
+  if (!reason.empty() && scan.returns.size() > 0) {
     ++unused_;
     unused_reason_ = reason;
   }
-  marked_ += static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
-  return flags;
+  marked_ += static_cast<std::size_t>(std::count(scan.known_dynamic.begin(), scan.known_dynamic.end(), 1));
 }
 
-std::vector<std::uint8_t> MaskInput::markedBy(const std::vector<DopplerReturn>& returns,
-                                              const Eigen::Isometry3d& T_base_from_sensor,
-                                              const ros::Time& stamp, std::string& reason) {
-  if (!mask_ || !camera_) {
-    reason = "nothing on '" + (mask_ ? camera_monitor_ : mask_monitor_).topic() + "' yet";
-    return {};
-  }
-  const double age = stamp.toSec() - mask_->header.stamp.toSec();
-  if (age < 0.0) {
-    reason = "the latest mask is " + std::to_string(-age) + " s younger than the scan";
-    return {};
-  }
-  if (age > max_age_) {
-    const EgoVelocityConfig names;
-    reason = "the latest mask is " + std::to_string(age) + " s older than the scan (" +
-             nameOf(names, names.mask_max_age) + ")";
-    return {};
-  }
+std::string MaskInput::markByLatest(RadarScan& scan) {
+  if (!mask_ || !camera_) return "nothing on '" + (mask_ ? camera_monitor_ : mask_monitor_).topic() + "' yet";
+  std::string missing;
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
-      extrinsics_.lookup(mask_->header.frame_id, reason);
-  if (!T_base_from_camera) return {};
-  // Returns that move independently have moved on since; the limit on the age keeps that small.
-  const std::optional<Eigen::Isometry3d> T_mask_from_scan =
-      velocities_.motion(mask_->header.stamp.toSec(), stamp.toSec(), max_age_, reason);
-  if (!T_mask_from_scan) return {};
-  const Eigen::Isometry3d T = *T_mask_from_scan * T_base_from_sensor;
-  std::vector<Eigen::Vector3f> points;
-  points.reserve(returns.size());
-  for (const DopplerReturn& seen : returns) points.push_back(positionOf(seen, T));
-
+      extrinsics_.lookup(mask_->header.frame_id, missing);
+  if (!T_base_from_camera) return missing;
   const DecodedImage mask = decodedImageOf(mask_);
   const CameraIntrinsics camera = cameraOf(*camera_);
   if (!isGridOf(mask.pixels.size(), {camera.width, camera.height})) {
@@ -149,8 +121,13 @@ std::vector<std::uint8_t> MaskInput::markedBy(const std::vector<DopplerReturn>& 
         "the mask on '" + mask_monitor_.topic() + "' of " + sizeText(mask.pixels.size()) +
         " px does not have the shape of camera_info on '" + camera_monitor_.topic() + "'");
   }
-  return pointsInMask(points, mask.pixels, camera.scaledTo(mask.pixels.cols, mask.pixels.rows),
-                      T_base_from_camera->inverse(), footprint_);
+  const StampedMask stamped{mask_->header.stamp.toSec(), mask.pixels,
+                            camera.scaledTo(mask.pixels.cols, mask.pixels.rows),
+                            T_base_from_camera->inverse()};
+  return markReturns(scan, stamped, max_age_, footprint_,
+                     [this](double begin, double end, std::string& reason) {
+                       return velocities_.motion(begin, end, max_age_, reason);
+                     });
 }
 
 void MaskInput::report(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -4,17 +4,15 @@
 
 #include <ros/ros.h>
 
-#include <cstdint>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "nodelets/common/input_monitor.h"
 #include "nodelets/inputs/extrinsics.h"
 #include "nodelets/inputs/twist_history.h"
 #include "nodelets/messages/image_messages.h"
 #include "radar_dot/config/sections.h"
-#include "radar_dot/radar/doppler_returns.h"
+#include "radar_dot/radar/ego_velocity.h"
 
 namespace radar_dot {
 
@@ -31,9 +29,8 @@ class MaskInput {
   void add(const StampedVelocity& velocity);
   void forget();
 
-  /// One value per return, 1 = it lies in the mask; empty: there is no mask that tells.
-  std::vector<std::uint8_t> marked(const std::vector<DopplerReturn>& returns,
-                                   const Eigen::Isometry3d& T_base_from_sensor, const ros::Time& stamp);
+  /// Sets known_dynamic of a scan where there is a mask that tells.
+  void mark(RadarScan& scan);
 
   InputMonitor& maskMonitor() noexcept { return mask_monitor_; }
   InputMonitor& cameraMonitor() noexcept { return camera_monitor_; }
@@ -45,11 +42,9 @@ class MaskInput {
   void guard(InputMonitor& input, const std::function<void()>& body);
   void onMask(const sensor_msgs::ImageConstPtr& mask);
   void subscribe();
-  /// As marked(); empty, with the reason, where no mask tells. @throws std::invalid_argument for a mask that
+  /// Returns why there is no mask that tells; empty: there is. @throws std::invalid_argument for a mask that
   /// does not fit its camera
-  std::vector<std::uint8_t> markedBy(const std::vector<DopplerReturn>& returns,
-                                     const Eigen::Isometry3d& T_base_from_sensor, const ros::Time& stamp,
-                                     std::string& reason);
+  std::string markByLatest(RadarScan& scan);
 
   ros::NodeHandle handle_;
   Extrinsics& extrinsics_;

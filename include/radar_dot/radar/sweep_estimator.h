@@ -1,0 +1,72 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "radar_dot/radar/ego_velocity.h"
+#include "radar_dot/radar/odometry.h"
+#include "radar_dot/radar/velocity_filter.h"
+
+namespace radar_dot {
+
+/// Parameters of SweepEstimator, described where they are configured.
+struct SweepEstimatorParams {
+  double bearing_delay = 0.0;  ///< s, by which positions of returns are later than their velocities
+  EgoVelocityParams estimator;
+  bool filter = true;
+  bool filter_radars = true;  ///< it takes the velocity of each radar alone; else the joint estimates
+  VelocityFilterParams filter_params;
+};
+
+/// What is known after a sweep.
+struct SweepEstimate {
+  struct Filtered {
+    VelocityFilter::State state;      ///< at the time of the sweep
+    VelocityFilter::Outcome outcome;  ///< what became of the estimate in the filter
+    bool was_reset;                   ///< by a gap in the input, or by estimates outside the gate
+  };
+  EgoVelocityResult single;  ///< of this sweep alone, with residuals and labels of its scans
+  /// Over the sweeps: none without the filter, without a valid estimate, or where that is not later than the
+  /// one before.
+  std::optional<Filtered> filtered;
+};
+
+/// From the scans of each sweep to the velocity of the vehicle, and to the velocity filtered over the sweeps:
+/// the same for a vehicle and for a recording. Sweeps come in the order of time; returns that are known to
+/// move are marked by the caller (RadarScan::known_dynamic).
+class SweepEstimator {
+ public:
+  /// @throws InvalidParameter
+  explicit SweepEstimator(const SweepEstimatorParams& params = {}) { configure(params); }
+
+  /// Replaces only the parts whose parameters differ: a filter that stays keeps what it has learnt of the
+  /// mounts. @throws InvalidParameter, without any change
+  void configure(const SweepEstimatorParams& params);
+
+  /// Turns the bearings of the scans, and estimates. @param time  s, of the newest scan
+  SweepEstimate estimate(std::vector<RadarScan>& scans, double time);
+
+  /// What the sweeps so far say of other scans: sets their bearing_rotation by the latest yaw rate.
+  void turnBearings(std::vector<RadarScan>& scans) const;
+  /// m/s^2, base frame; zero where it is not known.
+  Eigen::Vector3d acceleration(double time) const { return tracker_.acceleration(time); }
+
+  /// Forgets the past, what was learnt of the mounts as well.
+  void reset();
+
+  const EgoVelocityParams& params() const noexcept { return estimator_.params(); }
+  const VelocityFilter& filter() const noexcept { return filter_; }
+
+ private:
+  EgoVelocityEstimator estimator_;
+  AccelerationTracker tracker_;
+  VelocityFilter filter_;
+  bool filters_ = true, filters_radars_ = true;
+  double bearing_delay_ = 0.0;             // s
+  std::optional<StampedVelocity> latest_;  // valid estimate
+};
+
+}  // namespace radar_dot

@@ -1,0 +1,26 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/objects/mask_marking.h"
+
+#include <vector>
+
+namespace radar_dot {
+
+std::string markReturns(RadarScan& scan, const StampedMask& mask, double max_age,
+                        const MaskFootprint& footprint, const MotionBetween& motion) {
+  const double age = scan.time - mask.time;
+  if (age < 0.0) return "the latest mask is " + std::to_string(-age) + " s younger than the scan";
+  if (age > max_age)
+    return "the latest mask is " + std::to_string(age) + " s older than the scan (mask_max_age)";
+  std::string missing;
+  const std::optional<Eigen::Isometry3d> T_mask_from_scan = motion(mask.time, scan.time, missing);
+  if (!T_mask_from_scan) return missing;
+  const Eigen::Isometry3d T_mask_from_sensor = *T_mask_from_scan * scan.T_base_from_sensor;
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(scan.returns.size());
+  for (const DopplerReturn& seen : scan.returns) points.push_back(positionOf(seen, T_mask_from_sensor));
+  scan.known_dynamic = pointsInMask(points, mask, footprint);
+  return {};
+}
+
+}  // namespace radar_dot

@@ -1,0 +1,67 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radar_dot/radar/sweep_estimator.h"
+
+#include <cmath>
+#include <utility>
+
+#include "radar_dot/radar/sensor_velocity.h"
+
+namespace radar_dot {
+namespace {
+
+// A yaw rate older than this does not tell how far the bearings have turned.
+constexpr double kMaxTurningAge = 1.0;  // s
+
+}  // namespace
+
+void SweepEstimator::configure(const SweepEstimatorParams& params) {
+  // Everything that can throw comes first.
+  std::optional<EgoVelocityEstimator> estimator;
+  std::optional<VelocityFilter> filter;
+  const EgoVelocityParams& present = estimator_.params();
+  if (!sameFields(present, params.estimator) || !sameFields(present.sensor, params.estimator.sensor))
+    estimator.emplace(params.estimator);
+  if (!sameFields(filter_.params(), params.filter_params)) filter.emplace(params.filter_params);
+
+  if (estimator) estimator_ = std::move(*estimator);
+  if (filter) filter_ = std::move(*filter);
+  filters_ = params.filter;
+  filters_radars_ = params.filter_radars;
+  bearing_delay_ = params.bearing_delay;
+}
+
+void SweepEstimator::turnBearings(std::vector<RadarScan>& scans) const {
+  for (RadarScan& scan : scans) {
+    const bool known = latest_ && std::abs(scan.time - latest_->time) < kMaxTurningAge;
+    scan.bearing_rotation = known ? bearing_delay_ * latest_->angular.z() : 0.0;
+  }
+}
+
+SweepEstimate SweepEstimator::estimate(std::vector<RadarScan>& scans, double time) {
+  turnBearings(scans);
+  SweepEstimate estimate{estimator_.estimate(scans, time, acceleration(time)), std::nullopt};
+  const EgoVelocityResult& single = estimate.single;
+  if (!single.valid()) return estimate;
+  latest_ = StampedVelocity{time, single.linear, single.angular};
+  if (single.observed[0]) tracker_.add(time, single.linear);
+  if (!filters_) return estimate;
+
+  std::vector<SensorVelocity> sensors;
+  if (filters_radars_) sensors = sensorVelocities(scans, single, estimator_.params());
+  const bool was_started = filter_.started();
+  const VelocityFilter::Outcome outcome = filter_.update(time, single, sensors);
+  if (outcome != VelocityFilter::Outcome::kStale) {
+    estimate.filtered = {filter_.at(time), outcome,
+                         was_started && outcome == VelocityFilter::Outcome::kStarted};
+  }
+  return estimate;
+}
+
+void SweepEstimator::reset() {
+  tracker_.reset();
+  filter_.reset();
+  latest_.reset();
+}
+
+}  // namespace radar_dot
