@@ -17,7 +17,7 @@ constexpr double kMaxVelocityAge = 1.0;  // s
 }  // namespace
 
 std::vector<std::uint8_t> returnsInMask(const RadarScan& scan, const StampedMask& mask,
-                                        const StampedVelocity& velocity, const MaskFootprint& footprint) {
+                                        const StampedTwist& velocity, const MaskFootprint& footprint) {
   const Eigen::Isometry3d T_mask_from_scan =
       baseMotion(velocity.linear, velocity.angular, scan.time - mask.time) * scan.T_base_from_sensor;
   std::vector<Eigen::Vector3f> points;
@@ -28,7 +28,7 @@ std::vector<std::uint8_t> returnsInMask(const RadarScan& scan, const StampedMask
 
 void MaskFeedback::mark(std::vector<RadarScan>& scans,
                         const std::function<const StampedMask*(double)>& mask_before,
-                        const StampedVelocity& velocity) {
+                        const StampedTwist& velocity) {
   flags_.assign(scans.size(), {});
   for (std::size_t i = 0; i < scans.size(); ++i) {
     RadarScan& scan = scans[i];

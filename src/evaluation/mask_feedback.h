@@ -29,7 +29,7 @@ struct StampedMask {
 /// @param velocity  the one estimated last
 /// @return one value per return: 1 = in the mask, 0 = not
 std::vector<std::uint8_t> returnsInMask(const RadarScan& scan, const StampedMask& mask,
-                                        const StampedVelocity& velocity, const MaskFootprint& footprint = {});
+                                        const StampedTwist& velocity, const MaskFootprint& footprint = {});
 
 /// The mask's half of the loop between mask and velocity: tells the estimator which returns move.
 class MaskFeedback {
@@ -44,7 +44,7 @@ class MaskFeedback {
   /// @param mask_before  the newest mask at or before a time (s), or null; used before the next one is asked
   ///                     for
   void mark(std::vector<RadarScan>& scans, const std::function<const StampedMask*(double)>& mask_before,
-            const StampedVelocity& velocity);
+            const StampedTwist& velocity);
 
  private:
   double max_age_;  // s, of a mask at the time of a scan

@@ -87,7 +87,7 @@ class SceneRunner {
   std::optional<CreepingActors> creeping_;  // with min_true_residual
   MaskFeedback feedback_;
   std::optional<StampedMask> latest_mask_;
-  std::optional<StampedVelocity> latest_velocity_;
+  std::optional<StampedTwist> latest_velocity_;
   std::optional<Prepared> latest_;  // with the flow back
   cv::Mat latest_log_odds_;         // at its first image
 };

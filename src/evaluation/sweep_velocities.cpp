@@ -67,9 +67,7 @@ class SweepFilter {
 }  // namespace
 
 EstimatedVelocity::EstimatedVelocity(double stamp, const EgoVelocityResult& result)
-    : StampedVelocity{stamp, result.linear, result.angular},
-      covariance(result.covariance),
-      observed(result.observed) {}
+    : StampedTwist{stamp, result.linear, result.angular, result.covariance}, observed(result.observed) {}
 
 EstimatedVelocity::EstimatedVelocity(const VelocityFilter::State& state, const EgoVelocityResult& result)
     : EstimatedVelocity(state.time, filteredResult(state, result)) {

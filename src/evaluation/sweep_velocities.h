@@ -16,13 +16,12 @@
 namespace radar_dot::evaluation {
 
 /// A velocity estimated from one sweep, or filtered over the sweeps up to it.
-struct EstimatedVelocity : StampedVelocity {
+struct EstimatedVelocity : StampedTwist {
   EstimatedVelocity(double stamp, const EgoVelocityResult& result);
   EstimatedVelocity(const VelocityFilter::State& state, const EgoVelocityResult& result);
   /// At constant acceleration; an estimate of a single sweep has none.
   EstimatedVelocity broughtTo(double when) const;
 
-  Eigen::Matrix<double, 6, 6> covariance;                  ///< of [linear, angular]
   std::array<bool, 6> observed;                            ///< vx vy vz wx wy wz
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< of [vx, vy, yaw rate], per second
 };
@@ -57,6 +56,6 @@ struct SweepVelocities {
 };
 
 SweepVelocities sweepVelocities(const RadarScene& scene, const VelocityEvaluationOptions& options,
-                               SavedMasks& masks);
+                                SavedMasks& masks);
 
 }  // namespace radar_dot::evaluation

@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "nodelets/inputs/twist_uncertainty.h"
 #include "nodelets/messages/refined_twist.h"
 #include "radar_dot/vision/motion_refinement.h"
 #include "radar_dot/vision/rigid_motion.h"
@@ -237,8 +236,8 @@ DynamicSegmentationNodelet::Availability DynamicSegmentationNodelet::gather(Wait
   const bool within_timeout = (ros::WallTime::now() - waiting.arrival).toSec() <
                                   std::min(config_.rotation_timeout, config_.input_timeout) &&
                               waiting_.size() <= kMaxWaiting;
-  const EgoMotion::Answer motion = motion_->between(inputs.flow->header.stamp, inputs.flow->second_stamp,
-                                                    config_.max_twist_age, within_timeout);
+  const IntervalMotion motion = motion_->between(inputs.flow->header.stamp, inputs.flow->second_stamp,
+                                                 config_.max_twist_age, within_timeout);
   if (!motion.T_begin_from_end) {
     missing = "no motion of the vehicle from '" + twist_input_->topic() + "': " + motion.missing;
     return Availability::kPending;

@@ -160,7 +160,7 @@ void OverlayNodelet::processQueue() {
     const WaitingMask mask = waiting_.front();
     const Parts parts = partsAt(mask.message->header.stamp);
     const std::string missing = missingOf(parts);
-    const bool within_timeout = (ros::WallTime::now() - mask.arrival).toSec() < kInputTimeout;
+    const bool within_timeout = mask.arrival.waits(kInputTimeout, Moment::now());
     if (!missing.empty() && within_timeout && waiting_.size() <= kMaxWaiting) return;
     waiting_.pop_front();
     if (!missing.empty()) {

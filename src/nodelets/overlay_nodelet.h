@@ -11,6 +11,7 @@
 
 #include "nodelets/common/image_subscriber.h"
 #include "nodelets/inputs/cloud_points.h"
+#include "nodelets/inputs/moment.h"
 #include "nodelets/inputs/stamp_cache.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/vision/drawing.h"
@@ -25,7 +26,7 @@ class OverlayNodelet : public ImageSubscriber {
  private:
   struct WaitingMask {
     sensor_msgs::ImageConstPtr message;
-    ros::WallTime arrival;
+    Moment arrival;
   };
   /// What belongs to one stamp.
   struct Parts {

@@ -36,7 +36,7 @@ DopplerReturn returnAt(float x, float y) {
 TEST(MaskFeedback, ReturnsAreBroughtToTheTimeOfTheMask) {
   const std::vector<DopplerReturn> returns = {returnAt(15.0F, 3.0F), returnAt(15.0F, -3.0F)};
   RadarScan scan{&returns, Eigen::Isometry3d::Identity(), 7.5, nullptr};
-  StampedVelocity velocity;
+  StampedTwist velocity;
   const StampedMask then = maskOf(7.0, 302, 306);
   EXPECT_EQ(returnsInMask(scan, then, velocity), (std::vector<std::uint8_t>{0, 0}));
   velocity.linear.x() = 10.0;
@@ -51,7 +51,7 @@ TEST(MaskFeedback, ReturnsAreBroughtToTheTimeOfTheMask) {
 TEST(MaskFeedback, TheTurnSinceTheMaskCounts) {
   const std::vector<DopplerReturn> returns = {returnAt(20.0F * std::cos(0.1F), -20.0F * std::sin(0.1F))};
   const RadarScan scan{&returns, Eigen::Isometry3d::Identity(), 0.5, nullptr};
-  StampedVelocity velocity;
+  StampedTwist velocity;
   velocity.angular.z() = 0.2;
   EXPECT_EQ(returnsInMask(scan, maskOf(0.0, 398, 402), velocity), (std::vector<std::uint8_t>{1}));
   velocity.angular.z() = -0.2;
@@ -64,7 +64,7 @@ TEST(MaskFeedback, OnlyScansWithinTheLimitHaveAMask) {
   for (const double time : {9.75, 10.0, 10.25, 10.5, 10.625})
     scans.push_back({&returns, Eigen::Isometry3d::Identity(), time, nullptr});
   const StampedMask mask = maskOf(10.0, 0, 799);
-  StampedVelocity velocity;
+  StampedTwist velocity;
   velocity.time = 10.0;
   EgoVelocityConfig config;
   config.mask_max_age = 0.5;
@@ -83,7 +83,7 @@ TEST(MaskFeedback, NothingIsKnownWithoutAMaskOrAFreshVelocity) {
   const std::vector<DopplerReturn> returns = {returnAt(15.0F, 0.0F)};
   std::vector<RadarScan> scans = {{&returns, Eigen::Isometry3d::Identity(), 10.25, nullptr}};
   const StampedMask mask = maskOf(10.0, 0, 799);
-  StampedVelocity velocity;
+  StampedTwist velocity;
   velocity.time = 9.0;
   EgoVelocityConfig config;
   config.mask_max_age = 0.5;

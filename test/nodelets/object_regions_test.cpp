@@ -89,31 +89,31 @@ TEST(MaskMatcher, AMaskWaitsForWhatHasItsStamp) {
   MaskMatcher matcher;
   std::string missing;
   constexpr double kPatient = 100.0;  // s
-  matcher.addMask(messages.mask);
+  matcher.addMask(messages.mask, {});
   matcher.addDepth(messages.depth);
   matcher.addFlow(messages.flow);
-  EXPECT_FALSE(matcher.take(kPatient, missing));
+  EXPECT_FALSE(matcher.take(kPatient, {}, missing));
   EXPECT_TRUE(missing.empty());
   matcher.addExpectedFlow(messages.expected_flow);
-  const std::optional<MaskMessages> found = matcher.take(kPatient, missing);
+  const std::optional<MaskMessages> found = matcher.take(kPatient, {}, missing);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->flow, messages.flow);
   EXPECT_EQ(found->depth, messages.depth);
-  EXPECT_FALSE(matcher.take(kPatient, missing)) << "a mask is used once";
+  EXPECT_FALSE(matcher.take(kPatient, {}, missing)) << "a mask is used once";
 }
 
 TEST(MaskMatcher, WhatNeverComesIsNamed) {
   const MaskMessages messages = messagesAt(100.1);
   MaskMatcher matcher;
   std::string missing;
-  matcher.addMask(messages.mask);
+  matcher.addMask(messages.mask, {});
   matcher.addDepth(messages.depth);
-  EXPECT_FALSE(matcher.take(0.0, missing));
+  EXPECT_FALSE(matcher.take(0.0, {}, missing));
   EXPECT_EQ(missing, "no flow with the stamp of the mask");
-  matcher.addMask(messages.mask);
+  matcher.addMask(messages.mask, {});
   matcher.clear();
   missing.clear();
-  EXPECT_FALSE(matcher.take(0.0, missing));
+  EXPECT_FALSE(matcher.take(0.0, {}, missing));
   EXPECT_TRUE(missing.empty());
 }
 

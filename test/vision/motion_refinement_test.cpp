@@ -44,7 +44,8 @@ MotionInput street(const Eigen::Isometry3d& true_motion, const GroundPlane& grou
   MotionInput input;
   input.camera = kCamera;
   input.pixel_scale = 2.0;
-  input.depth = groundDepth(kCamera, ground.T_base_from_camera, ground.params.height, ground.params.pitch, 30.0);
+  input.depth =
+      groundDepth(kCamera, ground.T_base_from_camera, ground.params.height, ground.params.pitch, 30.0);
   cv::patchNaNs(input.depth, 30.0);
   input.flow = expectedFlow(kCamera, true_motion, input.depth);
   return input;
@@ -226,7 +227,8 @@ TEST(RefineMotion, TooLittleChangesNothing) {
   EXPECT_TRUE(refined.T_current_from_previous.isApprox(drive()));
   RefinementParams params;
   params.stride = 0;
-  test::expectRefusal<std::invalid_argument>([&] { refineMotion(input, std::nullopt, {}, params); }, {"stride"});
+  test::expectRefusal<std::invalid_argument>([&] { refineMotion(input, std::nullopt, {}, params); },
+                                             {"stride"});
 }
 
 // A turn of the vehicle about its base moves the camera, which sits ahead of it, sideways.
@@ -250,6 +252,24 @@ TEST(CameraCovariance, CarriesTheLeverArm) {
   base(3, 3) = 0.0;
   const Eigen::Matrix3d spread = jacobian * cameraCovariance(mount(), base) * jacobian.transpose();
   EXPECT_LT((spread - expected * expected.transpose()).norm(), 1e-6);
+}
+
+TEST(MotionUncertainty, OfATwistThatIsLessCertainThanConfigured) {
+  MotionUncertainty configured;
+  configured.forward_velocity_std = 0.1;
+  configured.lateral_velocity_std = 0.06;
+  configured.yaw_rate_std = 0.006;
+  Matrix6 twist = Matrix6::Zero();
+  twist(0, 0) = 0.25 * 0.25;
+  twist(1, 1) = 1e6;  // not observed
+  twist(5, 5) = 0.02 * 0.02;
+  const MotionUncertainty wide = motionUncertainty(configured, twist, /*has_rotation=*/false);
+  EXPECT_NEAR(wide.forward_velocity_std, 0.25, 1e-12);
+  EXPECT_EQ(wide.lateral_velocity_std, 0.06);
+  EXPECT_NEAR(wide.yaw_rate_std, 0.02, 1e-12);
+  EXPECT_EQ(motionUncertainty(configured, twist, /*has_rotation=*/true).yaw_rate_std, 0.006);
+  twist(0, 0) = 0.05 * 0.05;
+  EXPECT_EQ(motionUncertainty(configured, twist, false).forward_velocity_std, 0.1);
 }
 
 }  // namespace

@@ -40,11 +40,8 @@ void MaskInput::configure(const EgoVelocityConfig& config) {
     return;
   }
   for (ros::Subscriber* subscriber : {&mask_subscriber_, &camera_subscriber_}) subscriber->shutdown();
-  for (InputMonitor* monitor : {&mask_monitor_, &camera_monitor_}) {
-    monitor->setTopic({});
-    monitor->reset();
-  }
-  mask_.reset();
+  for (InputMonitor* monitor : {&mask_monitor_, &camera_monitor_}) monitor->setTopic({});
+  forget();
 }
 
 void MaskInput::subscribe() {
@@ -81,7 +78,7 @@ void MaskInput::guard(InputMonitor& input, const std::function<void()>& body) {
   }
 }
 
-void MaskInput::add(const StampedVelocity& velocity) {
+void MaskInput::add(const StampedTwist& velocity) {
   if (enabled_) velocities_.add(velocity);
 }
 
@@ -134,10 +131,12 @@ std::vector<std::uint8_t> MaskInput::markedBy(const std::vector<DopplerReturn>& 
       extrinsics_.lookup(mask_->header.frame_id, reason);
   if (!T_base_from_camera) return {};
   // Returns that move independently have moved on since; the limit on the age keeps that small.
-  const std::optional<Eigen::Isometry3d> T_mask_from_scan =
-      velocities_.motion(mask_->header.stamp.toSec(), stamp.toSec(), max_age_, reason);
-  if (!T_mask_from_scan) return {};
-  const Eigen::Isometry3d T = *T_mask_from_scan * T_base_from_sensor;
+  const IntervalMotion motion = velocities_.between(mask_->header.stamp.toSec(), stamp.toSec(), max_age_);
+  if (!motion.T_begin_from_end) {
+    reason = motion.missing;
+    return {};
+  }
+  const Eigen::Isometry3d T = *motion.T_begin_from_end * T_base_from_sensor;
   std::vector<Eigen::Vector3f> points;
   points.reserve(returns.size());
   for (const DopplerReturn& seen : returns) points.push_back(positionOf(seen, T));

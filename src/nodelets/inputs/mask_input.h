@@ -11,8 +11,8 @@
 
 #include "nodelets/common/input_monitor.h"
 #include "nodelets/inputs/extrinsics.h"
-#include "nodelets/inputs/twist_history.h"
 #include "nodelets/messages/image_messages.h"
+#include "radar_dot/common/twist_history.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/radar/doppler_returns.h"
 
@@ -28,7 +28,7 @@ class MaskInput {
   /// use_mask, mask_max_age and the footprint. Does not throw.
   void configure(const EgoVelocityConfig& config);
   /// A velocity of the vehicle, which brings returns to the time of the mask.
-  void add(const StampedVelocity& velocity);
+  void add(const StampedTwist& velocity);
   void forget();
 
   /// One value per return, 1 = it lies in the mask; empty: there is no mask that tells.

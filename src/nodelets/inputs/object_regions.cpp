@@ -71,8 +71,8 @@ std::vector<MaskRegion> regionsOf(const MaskMessages& messages, const sensor_msg
   return regions;
 }
 
-void MaskMatcher::addMask(sensor_msgs::ImageConstPtr mask) {
-  waiting_.push_back({std::move(mask), ros::WallTime::now()});
+void MaskMatcher::addMask(sensor_msgs::ImageConstPtr mask, const Moment& now) {
+  waiting_.push_back({std::move(mask), now});
 }
 
 void MaskMatcher::clear() {
@@ -82,15 +82,14 @@ void MaskMatcher::clear() {
   flows_.clear();
 }
 
-std::optional<MaskMessages> MaskMatcher::take(double patience, std::string& missing) {
+std::optional<MaskMessages> MaskMatcher::take(double patience, const Moment& now, std::string& missing) {
   while (!waiting_.empty()) {
     const Waiting front = waiting_.front();
     const ros::Time stamp = front.mask->header.stamp;
     const MaskMessages found{front.mask, depths_.find(stamp), expected_flows_.find(stamp),
                              flows_.find(stamp)};
     const bool all = found.depth && found.flow && found.expected_flow;
-    const bool within_timeout =
-        (ros::WallTime::now() - front.arrival).toSec() < patience && waiting_.size() <= kMaxWaiting;
+    const bool within_timeout = front.arrival.waits(patience, now) && waiting_.size() <= kMaxWaiting;
     if (!all && within_timeout) return std::nullopt;
     waiting_.pop_front();
     if (all) return found;

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "nodelets/inputs/moment.h"
 #include "nodelets/inputs/stamp_cache.h"
 #include "nodelets/messages/image_messages.h"
 #include "radar_dot/objects/mask_regions.h"
@@ -33,21 +34,20 @@ std::vector<MaskRegion> regionsOf(const MaskMessages& messages, const sensor_msg
 /// Masks that wait for depth, flow and expected flow of their stamp.
 class MaskMatcher {
  public:
-  void addMask(sensor_msgs::ImageConstPtr mask);
+  void addMask(sensor_msgs::ImageConstPtr mask, const Moment& now);
   void addDepth(sensor_msgs::ImageConstPtr depth) { depths_.add(std::move(depth)); }
   void addFlow(FlowConstPtr flow) { flows_.add(std::move(flow)); }
   void addExpectedFlow(sensor_msgs::ImageConstPtr flow) { expected_flows_.add(std::move(flow)); }
   void clear();
 
   /// The first mask that waits, once everything is there; none: nothing is ready.
-  /// @param patience  s, wall time; a mask that has waited longer is left out, with what it lacks in
-  /// `missing`
-  std::optional<MaskMessages> take(double patience, std::string& missing);
+  /// @param patience  s; a mask that has waited longer is left out, with what it lacks in `missing`
+  std::optional<MaskMessages> take(double patience, const Moment& now, std::string& missing);
 
  private:
   struct Waiting {
     sensor_msgs::ImageConstPtr mask;
-    ros::WallTime arrival;
+    Moment arrival;
   };
   std::deque<Waiting> waiting_;
   StampCache<sensor_msgs::Image> depths_{4.0, 50}, expected_flows_{4.0, 50};

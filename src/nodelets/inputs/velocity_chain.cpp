@@ -38,7 +38,7 @@ double VelocityChain::bearingRotation(double time) const {
 const EgoVelocityResult& VelocityChain::estimate(const std::vector<RadarScan>& scans, double time) {
   const EgoVelocityResult& result = estimator_.estimate(scans, time, tracker_.acceleration(time));
   if (result.valid()) {
-    turning_ = StampedVelocity{time, result.linear, result.angular};
+    turning_ = StampedTwist{time, result.linear, result.angular};
     if (result.observed[0]) tracker_.add(time, result.linear);
   }
   return result;

@@ -45,8 +45,8 @@ class VelocityChain {
   AccelerationTracker tracker_;
   VelocityFilter filter_;
   bool filters_ = true;
-  double bearing_delay_ = 0.0;              // s
-  std::optional<StampedVelocity> turning_;  // of the latest estimate
+  double bearing_delay_ = 0.0;           // s
+  std::optional<StampedTwist> turning_;  // of the latest estimate
 };
 
 }  // namespace radar_dot

@@ -24,7 +24,7 @@ geometry_msgs::TwistWithCovarianceStamped refinedTwist(const PairInputs& pair,
   const double dt = (pair.flow->second_stamp - first).toSec();
   const Eigen::Isometry3d T_camera_from_base = T_base_from_camera.inverse();
   // Points seen from the base, and the base seen from them, move the opposite way.
-  const BaseVelocity velocity = baseVelocity(
+  const StampedTwist velocity = baseVelocity(
       (T_base_from_camera * pair.motion.T_current_from_previous * T_camera_from_base).inverse(), dt);
   geometry_msgs::TwistWithCovarianceStamped twist;
   twist.header.stamp = std::max(first, pair.flow->second_stamp);
