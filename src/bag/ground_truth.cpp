@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
+#include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
 
 #include "radar_dot/bag/messages.h"
+#include "radar_dot/common/pose_buffer.h"
+#include "radar_dot/common/stamps.h"
 #include "rows.h"
 
 namespace radar_dot::bag {
@@ -22,48 +24,17 @@ using dataset::Tables;
 // A keyframe comes every 0.5 s; a little more keeps the boxes from flickering.
 constexpr double kBoxLifetime = 0.6;  // s
 
-/// A pose relative to the first of the scene, whose map coordinates are large.
-struct TimedPose {
-  double time = 0.0;  // s
-  Eigen::Vector3d position;
-  Eigen::Quaterniond rotation;
-};
-
-std::vector<TimedPose> timedPoses(const Tables& tables, const std::vector<Index>& poses) {
-  std::vector<TimedPose> timed;
-  timed.reserve(poses.size());
-  if (poses.empty()) return timed;
-  const dataset::EgoPose& first = at(tables.ego_poses, poses.front());
-  const Eigen::Vector3d origin = first.T_map_from_base().translation();
+/// The poses, relative to the first of the scene, whose map coordinates and stamps are large.
+std::vector<StampedPose> relativePoses(const Tables& tables, const std::vector<Index>& poses) {
+  std::vector<StampedPose> relative;
+  relative.reserve(poses.size());
   for (const Index index : poses) {
     const dataset::EgoPose& pose = at(tables.ego_poses, index);
-    const Eigen::Isometry3d T = pose.T_map_from_base();
-    timed.push_back({1e-6 * static_cast<double>(pose.timestamp_us - first.timestamp_us),
-                     T.translation() - origin, Eigen::Quaterniond(T.linear())});
+    const dataset::EgoPose& first = at(tables.ego_poses, poses.front());
+    relative.emplace_back(secondsOf(pose.timestamp_us - first.timestamp_us), pose.T_map_from_base());
+    relative.back().position -= first.T_map_from_base().translation();
   }
-  return timed;
-}
-
-/// The pose at a time, held constant beyond the ends.
-TimedPose interpolate(const std::vector<TimedPose>& poses, double time) {
-  if (time <= poses.front().time) return poses.front();
-  if (time >= poses.back().time) return poses.back();
-  const auto after = std::upper_bound(poses.begin(), poses.end(), time,
-                                      [](double t, const TimedPose& pose) { return t < pose.time; });
-  const auto before = std::prev(after);
-  const double share = (time - before->time) / (after->time - before->time);
-  return {time, before->position + share * (after->position - before->position),
-          before->rotation.slerp(share, after->rotation)};
-}
-
-BaseTwist differentiate(const TimedPose& from, const TimedPose& now, const TimedPose& to) {
-  const double duration = to.time - from.time;
-  if (!(duration > 0.0)) return {};
-  const Eigen::AngleAxisd turn(from.rotation.conjugate() * to.rotation);
-  BaseTwist twist;
-  twist.linear = now.rotation.conjugate() * ((to.position - from.position) / duration);
-  twist.angular = turn.axis() * (turn.angle() / duration);
-  return twist;
+  return relative;
 }
 
 bool endsWith(std::string_view text, std::string_view end) {
@@ -88,18 +59,30 @@ visualization_msgs::Marker emptyMarker(const ros::Time& stamp) {
 
 }  // namespace
 
-std::vector<BaseTwist> egoTwists(const Tables& tables, const std::vector<Index>& poses, double half_window) {
-  const std::vector<TimedPose> timed = timedPoses(tables, poses);
-  std::vector<BaseTwist> twists;
-  twists.reserve(timed.size());
-  for (const TimedPose& now : timed) {
-    twists.push_back(differentiate(interpolate(timed, now.time - half_window), now,
-                                   interpolate(timed, now.time + half_window)));
+std::vector<StampedTwist> egoTwists(const Tables& tables, const std::vector<Index>& poses,
+                                    double half_window) {
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  const std::vector<StampedPose> relative = relativePoses(tables, poses);
+  PoseBuffer track(kNoLimit, relative.size(), kNoLimit);
+  for (const StampedPose& pose : relative) track.add(pose);
+  const auto heldAt = [&](double time) {
+    return *track.at(std::clamp(time, relative.front().time, relative.back().time));
+  };
+  std::vector<StampedTwist> twists(relative.size());
+  for (std::size_t i = 0; i < relative.size(); ++i) {
+    const StampedPose from = heldAt(relative[i].time - half_window);
+    const StampedPose to = heldAt(relative[i].time + half_window);
+    const double duration = to.time - from.time;
+    twists[i].time = secondsOf(at(tables.ego_poses, poses[i]).timestamp_us);
+    if (!(duration > 0.0)) continue;
+    const Eigen::AngleAxisd turn(from.rotation.conjugate() * to.rotation);
+    twists[i].linear = relative[i].rotation.conjugate() * ((to.position - from.position) / duration);
+    twists[i].angular = turn.axis() * (turn.angle() / duration);
   }
   return twists;
 }
 
-nav_msgs::Odometry toOdometry(const dataset::EgoPose& pose, const BaseTwist& twist) {
+nav_msgs::Odometry toOdometry(const dataset::EgoPose& pose, const StampedTwist& twist) {
   nav_msgs::Odometry odometry;
   odometry.header.stamp = toTime(pose.timestamp_us);
   odometry.header.frame_id = kMapFrame;

@@ -22,7 +22,7 @@ struct SceneContent {
   std::vector<dataset::Index> mounts;    ///< first reading of each sensor, for its calibration
   std::vector<dataset::Index> readings;  ///< of the chosen channels, on disk
   std::vector<dataset::Index> poses;
-  std::vector<BaseTwist> twists;  ///< at the poses
+  std::vector<StampedTwist> twists;  ///< at the poses
   dataset::CanBus can;
   std::vector<dataset::Index> keyframes;  ///< with boxes
   /// Images with masks, by reading.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "radar_dot/common/stamps.h"
+
 namespace radar_dot::evaluation {
 namespace {
 
@@ -19,7 +21,7 @@ double ratio(std::size_t part, std::size_t whole) {
 }
 
 double timeOf(const Tables& tables, const SampleAnnotation& annotation) {
-  return 1e-6 * static_cast<double>(tables.samples[static_cast<std::size_t>(annotation.sample)].timestamp_us);
+  return secondsOf(tables.samples[static_cast<std::size_t>(annotation.sample)].timestamp_us);
 }
 
 Eigen::Vector3d centreOf(const SampleAnnotation& annotation) {

@@ -179,7 +179,7 @@ void evaluateTrajectory(const RadarScene& scene, const std::vector<EstimatedVelo
       if (path.empty()) integrator.reset(truth);
       std::optional<Eigen::Quaterniond> heading;
       if (with_heading) heading = Eigen::Quaterniond(truth.linear());
-      integrator.add(velocity.time, velocity.linear, velocity.angular, velocity.covariance, heading);
+      integrator.add(velocity, heading);
       path.push_back({velocity.time, integrator.state().T_odom_from_base});
     }
     (with_heading ? report.gt_heading : report.own_heading) += compareTrajectory(path, scene.truth);

@@ -18,7 +18,7 @@ OnlineMotion::OnlineMotion(std::vector<EstimatedVelocity> velocities) : velociti
   VelocityIntegrator integrator;
   integrator.reset();
   for (const EstimatedVelocity& velocity : velocities_) {
-    integrator.add(velocity.time, velocity.linear, velocity.angular, velocity.covariance);
+    integrator.add(velocity);
     poses_.push_back(integrator.state().T_odom_from_base);
   }
 }

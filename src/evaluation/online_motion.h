@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "radar_dot/evaluation/pose_track.h"
 #include "sweep_velocities.h"
-#include "radar_dot/evaluation/trajectory.h"
 
 namespace radar_dot::evaluation {
 

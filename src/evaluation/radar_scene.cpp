@@ -59,7 +59,7 @@ std::vector<double> keyframeTimes(const Tables& tables, Index scene, const PoseT
   const std::string& name = tables.scenes[at(scene)].name;
   bool covered = false;
   for (const Index row : tables.samplesOf(scene)) {
-    const double time = 1e-6 * static_cast<double>(tables.samples[at(row)].timestamp_us);
+    const double time = secondsOf(tables.samples[at(row)].timestamp_us);
     if (!times.empty() && !(time > times.back())) {
       throw DatasetError(fmt::format(
           "sample.json, {}: two keyframes at {:.6f} s; each needs a time of its own", name, time));
@@ -120,7 +120,7 @@ PoseTrack loadTruth(const Tables& tables, Index scene) {
   std::vector<StampedPose> poses;
   for (const Index row : tables.egoPosesOf(scene)) {
     const dataset::EgoPose& pose = tables.ego_poses[at(row)];
-    poses.push_back({1e-6 * static_cast<double>(pose.timestamp_us), pose.T_map_from_base()});
+    poses.push_back({secondsOf(pose.timestamp_us), pose.T_map_from_base()});
   }
   try {
     return PoseTrack(std::move(poses));

@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "radar_dot/common/stamps.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/dataset/can_bus.h"
 #include "radar_dot/dataset/tables.h"
-#include "radar_dot/evaluation/trajectory.h"
+#include "radar_dot/evaluation/pose_track.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
 
@@ -18,10 +19,9 @@ namespace radar_dot::evaluation {
 
 /// Rows as indices of the tables.
 inline std::size_t at(dataset::Index row) { return static_cast<std::size_t>(row); }
+using radar_dot::secondsOf;
 /// Stamp of a reading, s.
-inline double secondsOf(const dataset::SampleData& reading) {
-  return 1e-6 * static_cast<double>(reading.timestamp_us);
-}
+inline double secondsOf(const dataset::SampleData& reading) { return secondsOf(reading.timestamp_us); }
 
 /// One scan of one radar, read and filtered.
 struct LoadedScan {

@@ -76,7 +76,7 @@ class SceneRunner {
   MaskPipeline pipeline_;
   std::optional<CreepingActors> creeping_;  // with min_true_residual
   std::optional<StampedMask> latest_mask_;
-  std::optional<StampedVelocity> latest_velocity_;
+  std::optional<StampedTwist> latest_velocity_;
   ImagePair latest_;  // that the pipeline has seen
 };
 

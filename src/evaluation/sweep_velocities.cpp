@@ -19,9 +19,7 @@ constexpr double kMaxVelocityAge = 1.0;  // s
 }  // namespace
 
 EstimatedVelocity::EstimatedVelocity(double stamp, const EgoVelocityResult& result)
-    : StampedVelocity{stamp, result.linear, result.angular},
-      covariance(result.covariance),
-      observed(result.observed) {}
+    : StampedTwist{stamp, result.linear, result.angular, result.covariance}, observed(result.observed) {}
 
 EstimatedVelocity::EstimatedVelocity(const VelocityFilter::State& state, const EgoVelocityResult& result)
     : EstimatedVelocity(state.time, filteredResult(state, result)) {
@@ -44,7 +42,7 @@ const EstimatedVelocity* latestAt(const std::vector<EstimatedVelocity>& velociti
   return after == velocities.begin() ? nullptr : &*std::prev(after);
 }
 
-MotionBetween heldMotion(const StampedVelocity& velocity) {
+MotionBetween heldMotion(const StampedTwist& velocity) {
   return [velocity](double begin, double end, std::string& missing) -> std::optional<Eigen::Isometry3d> {
     if (std::abs(end - velocity.time) <= kMaxVelocityAge)
       return baseMotion(velocity.linear, velocity.angular, end - begin);

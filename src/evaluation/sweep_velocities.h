@@ -17,13 +17,12 @@
 namespace radar_dot::evaluation {
 
 /// A velocity estimated from one sweep, or filtered over the sweeps up to it.
-struct EstimatedVelocity : StampedVelocity {
+struct EstimatedVelocity : StampedTwist {
   EstimatedVelocity(double stamp, const EgoVelocityResult& result);
   EstimatedVelocity(const VelocityFilter::State& state, const EgoVelocityResult& result);
   /// At constant acceleration; an estimate of a single sweep has none.
   EstimatedVelocity broughtTo(double when) const;
 
-  Eigen::Matrix<double, 6, 6> covariance;                  ///< of [linear, angular]
   std::array<bool, 6> observed;                            ///< vx vy vz wx wy wz
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< of [vx, vy, yaw rate], per second
 };
@@ -32,7 +31,7 @@ struct EstimatedVelocity : StampedVelocity {
 const EstimatedVelocity* latestAt(const std::vector<EstimatedVelocity>& velocities, double time);
 
 /// The motion at a velocity held before and after its time; none a second after it, when it says little.
-MotionBetween heldMotion(const StampedVelocity& velocity);
+MotionBetween heldMotion(const StampedTwist& velocity);
 
 /// The scans of a sweep at `time` (s).
 struct SceneSweep {

@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "nodelets/inputs/twist_uncertainty.h"
 
 namespace radar_dot {
 namespace {
@@ -166,7 +165,7 @@ void DynamicSegmentationNodelet::onFlow(const FlowConstPtr& flow) {
   if (flow->second_stamp.isZero() || flow->second_stamp == flow->header.stamp) {
     throw std::invalid_argument("second_stamp: it must be given, and differ from the stamp of the header");
   }
-  waiting_.addFlow(flow, momentNow());
+  waiting_.addFlow(flow, Moment::now());
   processQueue();
 }
 
@@ -176,7 +175,7 @@ void DynamicSegmentationNodelet::processQueue() {
   for (;;) {
     Inputs inputs;
     std::optional<WaitingPairs::Taken> taken =
-        waiting_.take(needs, momentNow(), [&](const WaitingPairs::Pair& messages, double waited) {
+        waiting_.take(needs, Moment::now(), [&](const WaitingPairs::Pair& messages, double waited) {
           return findMotion(messages, waited, inputs);
         });
     if (!taken) return;
@@ -204,7 +203,7 @@ std::string DynamicSegmentationNodelet::findMotion(const WaitingPairs::Pair& mes
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
       extrinsics_->lookup(flow.header.frame_id, missing);
   if (!T_base_from_camera) return missing;
-  const EgoMotion::Answer motion = motion_->between(flow.header.stamp, flow.second_stamp,
+  const IntervalMotion motion = motion_->between(flow.header.stamp, flow.second_stamp,
                                                     config_.max_twist_age, waited < config_.rotation_timeout);
   if (!motion.T_begin_from_end)
     return "no motion of the vehicle from '" + twist_input_->topic() + "': " + motion.missing;

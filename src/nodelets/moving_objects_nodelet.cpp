@@ -114,9 +114,9 @@ void MovingObjectsNodelet::updateMaskSubscriptions() {
     masks_.addFlow(flow);
     processMasks();
   });
-  mask_subscriber_ =
-      listenToImages(*mask_input_, "dynamic/mask",
-                     [this](const sensor_msgs::ImageConstPtr& image) { masks_.addMask(image, momentNow()); });
+  mask_subscriber_ = listenToImages(
+      *mask_input_, "dynamic/mask",
+      [this](const sensor_msgs::ImageConstPtr& image) { masks_.addMask(image, Moment::now()); });
 }
 
 void MovingObjectsNodelet::apply(const MovingObjectsConfig& config) {
@@ -153,7 +153,7 @@ void MovingObjectsNodelet::drop(const std::string& reason) {
 }
 
 void MovingObjectsNodelet::onCloud(const sensor_msgs::PointCloud2& cloud, ReturnLabel label) {
-  scans_.add(cloud, label);
+  scans_.add(cloud, label, Moment::now());
   if (first_scan_.isZero()) first_scan_ = ros::WallTime::now();
   processQueue();
 }
@@ -163,7 +163,7 @@ void MovingObjectsNodelet::onOdometry(const nav_msgs::Odometry& odometry) {
     throw std::invalid_argument("child_frame_id: it is '" + odometry.child_frame_id +
                                 "', not the base frame '" + extrinsics_->baseFrame() + "'");
   }
-  const PoseSample pose = poseOf(odometry);
+  const StampedPose pose = poseOf(odometry);
   if (odometry.header.frame_id != odom_frame_) {
     if (!odom_frame_.empty()) {
       warn("odometry", "the frame of '" + odometry_input_->topic() + "' is '" + odometry.header.frame_id +
@@ -178,10 +178,7 @@ void MovingObjectsNodelet::onOdometry(const nav_msgs::Odometry& odometry) {
 }
 
 std::optional<Eigen::Isometry3d> MovingObjectsNodelet::poseAt(const ros::Time& time, std::string& missing) {
-  const auto isometryOfSample = [](const PoseSample& sample) {
-    return Eigen::Isometry3d(Eigen::Translation3d(sample.position) * sample.rotation);
-  };
-  if (const std::optional<PoseSample> between = poses_.at(time.toSec())) return isometryOfSample(*between);
+  if (const std::optional<StampedPose> between = poses_.at(time.toSec())) return between->isometry();
   const std::optional<double> latest = poses_.latest();
   if (!latest || time.toSec() < *latest) {
     missing = "no pose on '" + odometry_input_->topic() + "' at the stamp";
@@ -192,18 +189,18 @@ std::optional<Eigen::Isometry3d> MovingObjectsNodelet::poseAt(const ros::Time& t
               nameOf(config_, config_.max_pose_age);
     return std::nullopt;
   }
-  const EgoMotion::Answer motion =
+  const IntervalMotion motion =
       motion_->between(ros::Time(*latest), time, config_.max_pose_age, /*within_timeout=*/false);
   if (!motion.T_begin_from_end) {
     missing = "no motion from '" + twist_input_->topic() + "': " + motion.missing;
     return std::nullopt;
   }
-  return isometryOfSample(*poses_.at(*latest)) * *motion.T_begin_from_end;
+  return poses_.at(*latest)->isometry() * *motion.T_begin_from_end;
 }
 
 void MovingObjectsNodelet::processQueue() {
   const ros::WallTime start = ros::WallTime::now();
-  const std::vector<LabelledScan> ready = scans_.take(config_.pairing_timeout);
+  const std::vector<LabelledScan> ready = scans_.take(config_.pairing_timeout, Moment::now());
   for (const LabelledScan& scan : ready) {
     std::string reason;
     try {
@@ -233,8 +230,7 @@ void MovingObjectsNodelet::processQueue() {
 bool MovingObjectsNodelet::useScan(const LabelledScan& scan, std::string& reason) {
   const std::optional<Eigen::Isometry3d> mount = extrinsics_->lookup(scan.frame, reason);
   if (!mount) return false;
-  const std::optional<StampedVelocity> velocity =
-      motion_->velocityAt(scan.stamp, config_.max_pose_age, reason);
+  const std::optional<StampedTwist> velocity = motion_->velocityAt(scan.stamp, config_.max_pose_age, reason);
   if (!velocity) {
     reason = "no velocity from '" + twist_input_->topic() + "': " + reason;
     return false;
@@ -252,7 +248,8 @@ bool MovingObjectsNodelet::useScan(const LabelledScan& scan, std::string& reason
 
 void MovingObjectsNodelet::processMasks() {
   std::string missing;
-  while (const std::optional<MaskMessages> messages = masks_.take(config_.mask_timeout, momentNow(), missing)) {
+  while (const std::optional<MaskMessages> messages =
+             masks_.take(config_.mask_timeout, Moment::now(), missing)) {
     std::string reason;
     try {
       if (useMask(*messages, reason)) {

@@ -14,8 +14,8 @@
 #include "nodelets/inputs/ego_motion.h"
 #include "nodelets/inputs/labelled_scans.h"
 #include "nodelets/inputs/object_regions.h"
-#include "nodelets/inputs/pose_buffer.h"
 #include "nodelets/messages/object_messages.h"
+#include "radar_dot/common/pose_buffer.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/objects/object_tracker.h"
 

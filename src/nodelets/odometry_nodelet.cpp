@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "nodelets/inputs/twist_history.h"
+#include "nodelets/messages/ego_messages.h"
 
 namespace radar_dot {
 namespace {
@@ -18,10 +18,6 @@ namespace {
 constexpr std::size_t kMaxPending = 50;  // twists waiting for a rotation
 constexpr double kPendingPeriod = 0.05;  // s, how often waiting twists are looked at
 constexpr std::array<const char*, 6> kComponents = {"vx", "vy", "vz", "wx", "wy", "wz"};
-
-using CovarianceMap = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>;
-
-Eigen::Vector3d vectorOf(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
@@ -81,6 +77,7 @@ void OdometryNodelet::setUpRotationSource() {
     configuration_error_ += (configuration_error_.empty() ? "" : "; ") + problem;
   }
   if (rotation_source_) {
+    rotation_source_->start();
     pending_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kPendingPeriod),
                                                      [this](const ros::WallTimerEvent&) {
                                                        try {
@@ -192,21 +189,21 @@ void OdometryNodelet::takeTwist(const geometry_msgs::TwistWithCovarianceStampedC
       twist_stamps_.check(twist->header.stamp);
       break;
   }
-  const ros::Time now = ros::Time::now();
-  twist_monitor_->tick(twist->header.stamp, now);
-  pending_.push_back({twist, now});
+  twist_monitor_->tick(twist->header.stamp, ros::Time::now());
+  pending_.push_back({twist, Moment::now()});
   processQueue();
 }
 
 void OdometryNodelet::processQueue() {
-  const ros::Time now = ros::Time::now();
+  const Moment now = Moment::now();
   while (!pending_.empty()) {
     const geometry_msgs::TwistWithCovarianceStampedConstPtr twist = pending_.front().message;
-    std::optional<PoseSample> pose;
+    std::optional<StampedPose> pose;
     if (rotation_source_) {
       pose = rotation_source_->at(twist->header.stamp);
-      const bool within_timeout = now.toSec() - pending_.front().arrival.toSec() <= config_.rotation_timeout;
-      if (!pose && within_timeout && pending_.size() <= kMaxPending) return;
+      if (!pose && pending_.front().arrival.waits(config_.rotation_timeout, now) &&
+          pending_.size() <= kMaxPending)
+        return;
       if (!pose) {
         ++without_rotation_;
         warn("no rotation at the stamp of a twist from " + rotation_source_->describe());
@@ -217,7 +214,7 @@ void OdometryNodelet::processQueue() {
   }
 }
 
-bool OdometryNodelet::start(const std::optional<PoseSample>& pose) {
+bool OdometryNodelet::start(const std::optional<StampedPose>& pose) {
   Eigen::Isometry3d T_odom_from_base = Eigen::Isometry3d::Identity();
   if (start_at_source_) {
     if (!pose) return false;
@@ -246,7 +243,7 @@ void OdometryNodelet::publishSourceTf() {
   static_broadcaster_->sendTransform(transform);
 }
 
-std::optional<Eigen::Quaterniond> OdometryNodelet::rotationFrom(const std::optional<PoseSample>& pose) {
+std::optional<Eigen::Quaterniond> OdometryNodelet::rotationFrom(const std::optional<StampedPose>& pose) {
   if (!pose) {
     // A relative source knows nothing of the turn it slept through.
     if (rotation_source_ && !rotation_source_->isAbsolute()) R_odom_from_source_.reset();
@@ -259,23 +256,17 @@ std::optional<Eigen::Quaterniond> OdometryNodelet::rotationFrom(const std::optio
   return *R_odom_from_source_ * pose->rotation;
 }
 
-OdometryNodelet::BodyVelocity OdometryNodelet::bodyVelocity(
-    const geometry_msgs::TwistWithCovarianceStamped& twist, bool rotation_known) {
-  BodyVelocity velocity{vectorOf(twist.twist.twist.linear), vectorOf(twist.twist.twist.angular),
-                        CovarianceMap(twist.twist.covariance.data())};
+StampedTwist OdometryNodelet::usableTwist(const geometry_msgs::TwistWithCovarianceStamped& message,
+                                          bool rotation_known) {
+  const StampedTwist twist = twistOf(message);
   unobserved_.clear();
-  for (Eigen::Index i = 0; i < 6; ++i) {
-    if (velocity.covariance(i, i) < kUnobservedVariance) continue;
-    const bool vertical = i == 2 || i == 3 || i == 4;
-    // A vehicle on its wheels neither climbs nor rolls nor pitches by itself: nothing to report.
-    if (vertical) (i < 3 ? velocity.linear(i) : velocity.angular(i - 3)) = 0.0;
-    // vx, vy and wz stay as given: together they are what the returns allow with the least sideslip.
-    if (i < 2 || (i == 5 && !rotation_known))
-      unobserved_ +=
-          (unobserved_.empty() ? "" : ", ") + std::string(kComponents[static_cast<std::size_t>(i)]);
+  // vx, vy and wz stay as given: together they are what the returns allow with the least sideslip.
+  for (const Eigen::Index i : {0, 1, 5}) {
+    if (twist.observes(i) || (i == 5 && rotation_known)) continue;
+    unobserved_ += (unobserved_.empty() ? "" : ", ") + std::string(kComponents[static_cast<std::size_t>(i)]);
   }
   if (!unobserved_.empty()) warn("the twist does not observe " + unobserved_ + ": least sideslip assumed");
-  return velocity;
+  return onWheels(twist);
 }
 
 void OdometryNodelet::bridgeGap(double gap, double speed) {
@@ -290,17 +281,16 @@ void OdometryNodelet::bridgeGap(double gap, double speed) {
 }
 
 void OdometryNodelet::integrate(const geometry_msgs::TwistWithCovarianceStamped& twist,
-                                const std::optional<PoseSample>& pose) {
+                                const std::optional<StampedPose>& pose) {
   if (!started_ && !start(pose)) {
     warn("waiting for a first pose from " + rotation_source_->describe());
     return;
   }
-  const double time = twist.header.stamp.toSec();
   const std::optional<Eigen::Quaterniond> rotation = rotationFrom(pose);
-  const BodyVelocity velocity = bodyVelocity(twist, rotation.has_value());
-  const double gap = integrator_.started() ? time - integrator_.state().time : 0.0;
+  const StampedTwist velocity = usableTwist(twist, rotation.has_value());
+  const double gap = integrator_.started() ? velocity.time - integrator_.state().time : 0.0;
   if (gap > config_.max_gap) bridgeGap(gap, velocity.linear.norm());
-  if (integrator_.add(time, velocity.linear, velocity.angular, velocity.covariance, rotation)) publish(twist);
+  if (integrator_.add(velocity, rotation)) publish(twist);
 }
 
 void OdometryNodelet::publish(const geometry_msgs::TwistWithCovarianceStamped& twist) {

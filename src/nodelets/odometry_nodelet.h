@@ -19,6 +19,7 @@
 #include "nodelets/common/monitors.h"
 #include "nodelets/common/reconfigure_server.h"
 #include "nodelets/inputs/extrinsics.h"
+#include "nodelets/inputs/moment.h"
 #include "nodelets/inputs/rotation_source.h"
 #include "nodelets/inputs/stamp_guard.h"
 #include "radar_dot/config/sections.h"
@@ -34,12 +35,7 @@ class OdometryNodelet : public nodelet::Nodelet {
  private:
   struct PendingTwist {
     geometry_msgs::TwistWithCovarianceStampedConstPtr message;
-    ros::Time arrival;
-  };
-  /// A twist with the vertical motion that is not observed set to zero.
-  struct BodyVelocity {
-    Eigen::Vector3d linear, angular;
-    Eigen::Matrix<double, 6, 6> covariance;
+    Moment arrival;
   };
 
   void onInit() override;
@@ -54,11 +50,12 @@ class OdometryNodelet : public nodelet::Nodelet {
   std::string defectOf(const geometry_msgs::TwistWithCovarianceStamped& twist) const;
   void processQueue();
   void integrate(const geometry_msgs::TwistWithCovarianceStamped& twist,
-                 const std::optional<PoseSample>& pose);
-  bool start(const std::optional<PoseSample>& pose);
-  BodyVelocity bodyVelocity(const geometry_msgs::TwistWithCovarianceStamped& twist, bool rotation_known);
+                 const std::optional<StampedPose>& pose);
+  bool start(const std::optional<StampedPose>& pose);
+  /// The twist onWheels(); warns of what it does not observe.
+  StampedTwist usableTwist(const geometry_msgs::TwistWithCovarianceStamped& message, bool rotation_known);
   /// Rotation of the base in the odometry's frame, from the source's.
-  std::optional<Eigen::Quaterniond> rotationFrom(const std::optional<PoseSample>& pose);
+  std::optional<Eigen::Quaterniond> rotationFrom(const std::optional<StampedPose>& pose);
   /// Once per frame of the source, when asked for.
   void publishSourceTf();
   void bridgeGap(double gap, double speed);

@@ -138,7 +138,7 @@ void OpticalFlowNodelet::onImage(LazyImage picture) {
     return;
   }
   // Who comes in place of a pair that waited has waited as long: else none might ever be computed.
-  const ros::WallTime since = waiting_ ? waiting_->arrival : ros::WallTime::now();
+  const Moment since = waiting_ ? waiting_->arrival : Moment::now();
   if (waiting_) ++replaced_;
   const bool forward = config_.direction == FlowDirection::kForward;
   waiting_ = Pair{forward ? before : current, forward ? current : before, since};
@@ -167,7 +167,7 @@ cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool within_timeout
   }
   const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(first.frame_id, missing);
   if (!T_base_from_camera) return {};
-  const EgoMotion::Answer motion =
+  const IntervalMotion motion =
       motion_->between(first.stamp, pair.second->header().stamp, kTwistHold, within_timeout);
   if (!motion.T_begin_from_end) {
     missing = motion.missing;
@@ -188,7 +188,7 @@ void OpticalFlowNodelet::processQueue() {
   const Pair pair = *waiting_;
   cv::Mat expected;
   if (config_.flow.initialisation == FlowStart::kExpected) {
-    const bool within_timeout = (ros::WallTime::now() - pair.arrival).toSec() < config_.expected_timeout;
+    const bool within_timeout = pair.arrival.waits(config_.expected_timeout, Moment::now());
     std::string missing;
     bool may_come = within_timeout && !depths_.isPast(pair.first->header().stamp);
     try {

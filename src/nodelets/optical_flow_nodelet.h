@@ -9,6 +9,7 @@
 
 #include "nodelets/common/image_subscriber.h"
 #include "nodelets/inputs/ego_motion.h"
+#include "nodelets/inputs/moment.h"
 #include "nodelets/inputs/stamp_cache.h"
 #include "radar_dot/config/sections.h"
 
@@ -23,7 +24,7 @@ class OpticalFlowNodelet : public ImageSubscriber {
   /// In the order of the flow: it lies on the grid of `first`.
   struct Pair {
     SharedImage first, second;
-    ros::WallTime arrival;
+    Moment arrival;
   };
 
   void onInit() override;

@@ -124,7 +124,7 @@ void OverlayNodelet::onMask(const sensor_msgs::ImageConstPtr& mask) {
   const ros::WallTime now = ros::WallTime::now();
   if (config_.max_rate > 0.0 && (now - last_drawn_).toSec() < 1.0 / config_.max_rate) return;
   last_drawn_ = now;
-  waiting_.add(mask, momentNow());
+  waiting_.add(mask, Moment::now());
   processQueue();
 }
 
@@ -159,7 +159,7 @@ void OverlayNodelet::processQueue() {
   const auto lackOf = [this](const sensor_msgs::ImageConstPtr& mask, double) -> Queue::Lack {
     return {missingOf(partsAt(mask->header.stamp))};
   };
-  while (const std::optional<Queue::Taken> taken = waiting_.take(kInputTimeout, momentNow(), lackOf)) {
+  while (const std::optional<Queue::Taken> taken = waiting_.take(kInputTimeout, Moment::now(), lackOf)) {
     if (!taken->missing.empty()) {
       ++incomplete_since_report_;
       missing_ = taken->missing;

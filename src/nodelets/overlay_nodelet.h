@@ -11,6 +11,7 @@
 
 #include "nodelets/common/image_subscriber.h"
 #include "nodelets/inputs/cloud_points.h"
+#include "nodelets/inputs/moment.h"
 #include "nodelets/inputs/stamp_cache.h"
 #include "nodelets/inputs/waiting_queue.h"
 #include "radar_dot/config/sections.h"

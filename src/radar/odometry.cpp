@@ -21,24 +21,24 @@ void VelocityIntegrator::reset(const Eigen::Isometry3d& T_odom_from_base) {
   started_ = false;
 }
 
-bool VelocityIntegrator::add(double time, const Eigen::Vector3d& linear, const Eigen::Vector3d& angular,
-                             const Eigen::Matrix<double, 6, 6>& covariance,
+bool VelocityIntegrator::add(const StampedTwist& twist,
                              const std::optional<Eigen::Quaterniond>& R_odom_from_base) {
-  if (!std::isfinite(time) || !linear.allFinite() || !angular.allFinite() || !covariance.allFinite())
+  if (!std::isfinite(twist.time) || !twist.linear.allFinite() || !twist.angular.allFinite() ||
+      !twist.covariance.allFinite())
     return false;
   if (R_odom_from_base && !R_odom_from_base->coeffs().allFinite()) return false;
-  if (started_ && !(time > state_.time)) return false;
+  if (started_ && !(twist.time > state_.time)) return false;
   if (!started_) {
     if (R_odom_from_base) state_.T_odom_from_base.linear() = R_odom_from_base->toRotationMatrix();
     started_ = true;
   } else {
-    const double dt = time - state_.time;
+    const double dt = twist.time - state_.time;
     const Eigen::Quaterniond start(state_.T_odom_from_base.linear());
-    const Eigen::Vector3d turn = 0.5 * (previous_angular_ + angular) * dt;
+    const Eigen::Vector3d turn = 0.5 * (previous_.angular + twist.angular) * dt;
     const Eigen::Quaterniond end =
         (R_odom_from_base ? *R_odom_from_base : start * rotationOf(turn)).normalized();
     const Eigen::Quaterniond middle = start.slerp(0.5, end);
-    const Eigen::Vector3d step = 0.5 * (previous_linear_ + linear) * dt;
+    const Eigen::Vector3d step = 0.5 * (previous_.linear + twist.linear) * dt;
     const Eigen::Vector3d move = middle * step;
 
     // First-order propagation: position = sum of R v dt; an error of heading turns all later steps.
@@ -49,17 +49,16 @@ bool VelocityIntegrator::add(double time, const Eigen::Vector3d& linear, const E
     Eigen::Matrix<double, 6, 6> input = Eigen::Matrix<double, 6, 6>::Zero();
     input.block<3, 3>(0, 0) = R * dt;
     if (!R_odom_from_base) input.block<3, 3>(3, 3) = R * dt;
-    state_.covariance =
-        (transition * state_.covariance * transition.transpose() + input * covariance * input.transpose())
-            .eval();
+    state_.covariance = (transition * state_.covariance * transition.transpose() +
+                         input * twist.covariance * input.transpose())
+                            .eval();
 
     state_.T_odom_from_base.translation() += move;
     state_.T_odom_from_base.linear() = end.toRotationMatrix();
     state_.distance += step.norm();
   }
-  state_.time = time;
-  previous_linear_ = linear;
-  previous_angular_ = angular;
+  state_.time = twist.time;
+  previous_ = twist;
   return true;
 }
 

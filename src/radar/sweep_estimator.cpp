@@ -43,7 +43,7 @@ SweepEstimate SweepEstimator::estimate(std::vector<RadarScan>& scans, double tim
   SweepEstimate estimate{estimator_.estimate(scans, time, acceleration(time)), std::nullopt};
   const EgoVelocityResult& single = estimate.single;
   if (!single.valid()) return estimate;
-  latest_ = StampedVelocity{time, single.linear, single.angular};
+  latest_ = StampedTwist{time, single.linear, single.angular};
   if (single.observed[0]) tracker_.add(time, single.linear);
   if (!filters_) return estimate;
 

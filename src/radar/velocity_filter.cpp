@@ -9,13 +9,14 @@
 #include <limits>
 #include <stdexcept>
 
+#include "radar_dot/common/stamped_twist.h"
+
 namespace radar_dot {
 namespace {
 
 constexpr Eigen::Index kMotion = 6;  // vx vy w ax ay alpha
 
 constexpr Eigen::Index kTwistAxes[] = {0, 1, 5};  // vx vy w among vx vy vz wx wy wz
-constexpr double kUnobservedVariance = 1e5;       // (m/s)^2 or (rad/s)^2; more is no knowledge
 
 // 99.9 % quantiles of chi-square with 1, 2, 3 degrees of freedom.
 constexpr std::array<double, 3> kGate = {10.83, 13.82, 16.27};

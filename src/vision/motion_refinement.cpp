@@ -10,6 +10,7 @@
 
 #include "ground_ray.h"
 #include "motion_images.h"
+#include "radar_dot/common/stamped_twist.h"
 #include "radar_dot/vision/depth_estimator.h"
 
 namespace radar_dot {
@@ -228,6 +229,21 @@ Eigen::Matrix<double, 6, 6> baseMotionCovariance(const MotionUncertainty& uncert
   deviations << tilt, tilt, uncertainty.yaw_rate_std * dt, uncertainty.forward_velocity_std * dt,
       uncertainty.lateral_velocity_std * dt, uncertainty.vertical_velocity_std * dt;
   return deviations.cwiseAbs2().asDiagonal();
+}
+
+MotionUncertainty motionUncertainty(const MotionUncertainty& configured,
+                                    const Eigen::Matrix<double, 6, 6>& twist, bool has_rotation) {
+  MotionUncertainty uncertainty = configured;
+  const auto widen = [&twist](Eigen::Index axis, double& deviation) {
+    const double variance = twist(axis, axis);
+    if (variance < kUnobservedVariance) deviation = std::max(deviation, std::sqrt(std::max(variance, 0.0)));
+  };
+  constexpr Eigen::Index kForward = 0, kLateral = 1, kVertical = 2, kYaw = 5;
+  widen(kForward, uncertainty.forward_velocity_std);
+  widen(kLateral, uncertainty.lateral_velocity_std);
+  widen(kVertical, uncertainty.vertical_velocity_std);
+  if (!has_rotation) widen(kYaw, uncertainty.yaw_rate_std);
+  return uncertainty;
 }
 
 RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundPlane>& ground,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "radar_dot/bag/ground_truth.h"
+#include "radar_dot/common/stamps.h"
 
 namespace radar_dot::bag {
 namespace {
@@ -25,6 +26,16 @@ TEST(Messages, StampsAreExactToTheMicrosecond) {
   EXPECT_THROW(toTime(-5), dataset::DatasetError);
   EXPECT_THROW(toTime(4'294'967'296'000'000), dataset::DatasetError);
   EXPECT_EQ(toTime(4'294'967'295'999'999).sec, 4'294'967'295U);
+}
+
+// What runs offline and what runs live must agree to the last digit.
+TEST(Messages, SecondsOfAStampAreThoseOfRos) {
+  std::size_t elsewhere = 0;
+  for (std::int64_t stamp = kStart; stamp < kStart + 10000000; stamp += 7777) {
+    ASSERT_EQ(secondsOf(stamp), toTime(stamp).toSec());
+    if (1e-6 * static_cast<double>(stamp) != toTime(stamp).toSec()) ++elsewhere;
+  }
+  EXPECT_GT(elsewhere, 0U) << "a product rounds some of them to the double beside it";
 }
 
 TEST(Messages, FramesAreChannelsInLowerCase) {
@@ -124,7 +135,7 @@ TEST(EgoTwists, RecoverConstantVelocityAndTurnRate) {
   const std::vector<double> times = irregularTimes(11);
   for (const double rate : {0.3, -0.5, 1e-6}) {
     const dataset::Tables tables = arc(9.0, rate, 0.0, 1, times);
-    const std::vector<BaseTwist> twists = egoTwists(tables, rows(times.size()));
+    const std::vector<StampedTwist> twists = egoTwists(tables, rows(times.size()));
     ASSERT_EQ(twists.size(), times.size());
     for (std::size_t i = 0; i < twists.size(); ++i) {
       const bool inner = times[i] > kTwistHalfWindow && times[i] < times.back() - kTwistHalfWindow;
@@ -141,7 +152,7 @@ TEST(EgoTwists, RecoverConstantVelocityAndTurnRate) {
 TEST(EgoTwists, JitterOfThePosesDoesNotDominate) {
   const std::vector<double> times = irregularTimes(12);
   const dataset::Tables tables = arc(9.0, 0.3, 0.005, 13, times);  // 5 mm
-  for (const BaseTwist& twist : egoTwists(tables, rows(times.size()))) {
+  for (const StampedTwist& twist : egoTwists(tables, rows(times.size()))) {
     EXPECT_NEAR(twist.linear.x(), 9.0, 0.4);
   }
 }
@@ -149,7 +160,7 @@ TEST(EgoTwists, JitterOfThePosesDoesNotDominate) {
 TEST(EgoTwists, AreZeroWithoutASecondPose) {
   const dataset::Tables tables = arc(9.0, 0.3, 0.0, 1, {0.0});
   EXPECT_TRUE(egoTwists(tables, {}).empty());
-  const std::vector<BaseTwist> twists = egoTwists(tables, rows(1));
+  const std::vector<StampedTwist> twists = egoTwists(tables, rows(1));
   ASSERT_EQ(twists.size(), 1U);
   EXPECT_EQ(twists[0].linear.norm(), 0.0);
   EXPECT_EQ(twists[0].angular.norm(), 0.0);

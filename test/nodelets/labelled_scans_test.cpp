@@ -48,45 +48,45 @@ constexpr double kPatient = 100.0;  // s
 
 TEST(LabelledScans, TwoCloudsOfOneFrameAndStampAreOneScan) {
   LabelledScans scans;
-  scans.add(cloudOf("front", 10.0, {5.F, 0.F, 0.F, 0.1F}), kStatic);
-  EXPECT_TRUE(scans.take(kPatient).empty());
-  scans.add(cloudOf("front", 10.0, {7.F, 0.F, 0.F, 3.F, 8.F, 0.F, 0.F, 3.F}), kDynamic);
-  const std::vector<LabelledScan> ready = scans.take(kPatient);
+  scans.add(cloudOf("front", 10.0, {5.F, 0.F, 0.F, 0.1F}), kStatic, {});
+  EXPECT_TRUE(scans.take(kPatient, {}).empty());
+  scans.add(cloudOf("front", 10.0, {7.F, 0.F, 0.F, 3.F, 8.F, 0.F, 0.F, 3.F}), kDynamic, {});
+  const std::vector<LabelledScan> ready = scans.take(kPatient, {});
   ASSERT_EQ(ready.size(), 1U);
   EXPECT_EQ(ready[0].frame, "front");
   EXPECT_EQ(ready[0].stamp, ros::Time(10.0));
   ASSERT_TRUE(ready[0].complete());
   EXPECT_EQ(ready[0].still->size(), 1U);
   EXPECT_EQ(ready[0].moving->size(), 2U);
-  EXPECT_TRUE(scans.take(kPatient).empty());
+  EXPECT_TRUE(scans.take(kPatient, {}).empty());
 }
 
 // EgoVelocity sends the static clouds of a sweep first, radar by radar.
 TEST(LabelledScans, AScanWaitsForOlderOnes) {
   LabelledScans scans;
-  scans.add(cloudOf("front", 10.05, {}), kStatic);
-  scans.add(cloudOf("left", 10.0, {}), kStatic);
-  scans.add(cloudOf("front", 10.05, {}), kDynamic);
-  EXPECT_TRUE(scans.take(kPatient).empty());
-  scans.add(cloudOf("left", 10.0, {}), kDynamic);
-  const std::vector<LabelledScan> ready = scans.take(kPatient);
+  scans.add(cloudOf("front", 10.05, {}), kStatic, {});
+  scans.add(cloudOf("left", 10.0, {}), kStatic, {});
+  scans.add(cloudOf("front", 10.05, {}), kDynamic, {});
+  EXPECT_TRUE(scans.take(kPatient, {}).empty());
+  scans.add(cloudOf("left", 10.0, {}), kDynamic, {});
+  const std::vector<LabelledScan> ready = scans.take(kPatient, {});
   ASSERT_EQ(ready.size(), 2U);
   EXPECT_EQ(ready[0].frame, "left");
   EXPECT_EQ(ready[1].frame, "front");
   EXPECT_NE(ready[0].radar, ready[1].radar);
-  scans.add(cloudOf("left", 10.1, {}), kStatic);
-  scans.add(cloudOf("left", 10.1, {}), kDynamic);
-  EXPECT_EQ(scans.take(kPatient).at(0).radar, ready[0].radar) << "a radar keeps its number";
+  scans.add(cloudOf("left", 10.1, {}), kStatic, {});
+  scans.add(cloudOf("left", 10.1, {}), kDynamic, {});
+  EXPECT_EQ(scans.take(kPatient, {}).at(0).radar, ready[0].radar) << "a radar keeps its number";
 }
 
 TEST(LabelledScans, AfterItsTimeAScanGoesWithWhatThereIs) {
   LabelledScans scans;
-  scans.add(cloudOf("front", 10.0, {7.F, 0.F, 0.F, 3.F}), kDynamic);
-  const std::vector<LabelledScan> ready = scans.take(0.0);
+  scans.add(cloudOf("front", 10.0, {7.F, 0.F, 0.F, 3.F}), kDynamic, {});
+  const std::vector<LabelledScan> ready = scans.take(0.0, {});
   ASSERT_EQ(ready.size(), 1U);
   EXPECT_FALSE(ready[0].complete());
   EXPECT_EQ(ready[0].moving->size(), 1U);
-  expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 10.0, {}), kStatic); },
+  expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 10.0, {}), kStatic, {}); },
                                        {"already used"});
 }
 
@@ -94,34 +94,34 @@ TEST(LabelledScans, CloudsOfNoUseAreRefused) {
   LabelledScans scans;
   expectRefusal<std::invalid_argument>(
       [&] {
-        scans.add(cloudOf("front", 10.0, {1.F, 2.F, 3.F}, 3), kStatic);
+        scans.add(cloudOf("front", 10.0, {1.F, 2.F, 3.F}, 3), kStatic, {});
       },
       {"residual"});
   expectRefusal<std::invalid_argument>(
       [&] {
-        scans.add(cloudOf("front", 10.0, {1.F, 2.F, 3.F, kNaN}), kStatic);
+        scans.add(cloudOf("front", 10.0, {1.F, 2.F, 3.F, kNaN}), kStatic, {});
       },
       {"residual"});
   sensor_msgs::PointCloud2 broken = cloudOf("front", 10.0, {1.F, 2.F, 3.F, 0.F});
   broken.data.pop_back();
-  expectRefusal<std::invalid_argument>([&] { scans.add(broken, kStatic); }, {"bytes of data"});
-  scans.add(cloudOf("front", 10.0, {}), kStatic);
-  expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 10.0, {}), kStatic); },
+  expectRefusal<std::invalid_argument>([&] { scans.add(broken, kStatic, {}); }, {"bytes of data"});
+  scans.add(cloudOf("front", 10.0, {}), kStatic, {});
+  expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 10.0, {}), kStatic, {}); },
                                        {"that of the cloud before"});
-  scans.add(cloudOf("front", 10.0, {}), kDynamic);
-  scans.take(kPatient);
-  expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 9.0, {}), kStatic); },
+  scans.add(cloudOf("front", 10.0, {}), kDynamic, {});
+  scans.take(kPatient, {});
+  expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 9.0, {}), kStatic, {}); },
                                        {"already used"});
   scans.clear();
-  scans.add(cloudOf("front", 9.0, {}), kStatic);
-  scans.add(cloudOf("front", 9.0, {}), kDynamic);
-  EXPECT_EQ(scans.take(kPatient).size(), 1U) << "time may be reset";
+  scans.add(cloudOf("front", 9.0, {}), kStatic, {});
+  scans.add(cloudOf("front", 9.0, {}), kDynamic, {});
+  EXPECT_EQ(scans.take(kPatient, {}).size(), 1U) << "time may be reset";
 }
 
 TEST(LabelledScans, ASilentTopicDoesNotFillTheMemory) {
   LabelledScans scans;
-  for (int i = 0; i < 150; ++i) scans.add(cloudOf("front", 10.0 + i, {}), kStatic);
-  EXPECT_EQ(scans.take(kPatient).size(), 50U);
+  for (int i = 0; i < 150; ++i) scans.add(cloudOf("front", 10.0 + i, {}), kStatic, {});
+  EXPECT_EQ(scans.take(kPatient, {}).size(), 50U);
 }
 
 // A radar at (3, 1) that looks to the left, on a vehicle with 10 m/s and 0.5 rad/s.
@@ -134,7 +134,7 @@ TEST(ReturnsOf, VelocitiesAreTheResidualsAndPositionsAreInTheBaseFrame) {
   Eigen::Isometry3d mount = Eigen::Isometry3d::Identity();
   mount.linear() = Eigen::AngleAxisd(std::acos(-1.0) / 2.0, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   mount.translation() = Eigen::Vector3d(3.0, 1.0, 0.5);
-  StampedVelocity velocity;
+  StampedTwist velocity;
   velocity.linear.x() = 10.0;
   velocity.angular.z() = 0.5;
   const std::vector<ReturnOverGround> returns = returnsOf(scan, mount, velocity, {});

@@ -32,10 +32,10 @@ std::string nothing(const WaitingPairs::Pair&, double) { return {}; }
 
 class WaitingPairsTest : public testing::Test {
  protected:
-  /// `data` and `wall` s after the arrival of the flows, which is at zero.
-  std::optional<WaitingPairs::Taken> takeAt(double data, double wall,
+  /// `ros` and `wall` s after the arrival of the flows, which is at zero.
+  std::optional<WaitingPairs::Taken> takeAt(double ros, double wall,
                                             const WaitingPairs::Rest& rest = nothing) {
-    return pairs_.take(needs_, {data, wall}, rest);
+    return pairs_.take(needs_, {ros, wall}, rest);
   }
 
   WaitingPairs pairs_;

@@ -268,5 +268,23 @@ TEST(CameraCovariance, CarriesTheLeverArm) {
   EXPECT_LT((spread - expected * expected.transpose()).norm(), 1e-6);
 }
 
+TEST(MotionUncertainty, OfATwistThatIsLessCertainThanConfigured) {
+  MotionUncertainty configured;
+  configured.forward_velocity_std = 0.1;
+  configured.lateral_velocity_std = 0.06;
+  configured.yaw_rate_std = 0.006;
+  Matrix6 twist = Matrix6::Zero();
+  twist(0, 0) = 0.25 * 0.25;
+  twist(1, 1) = 1e6;  // not observed
+  twist(5, 5) = 0.02 * 0.02;
+  const MotionUncertainty wide = motionUncertainty(configured, twist, /*has_rotation=*/false);
+  EXPECT_NEAR(wide.forward_velocity_std, 0.25, 1e-12);
+  EXPECT_EQ(wide.lateral_velocity_std, 0.06);
+  EXPECT_NEAR(wide.yaw_rate_std, 0.02, 1e-12);
+  EXPECT_EQ(motionUncertainty(configured, twist, /*has_rotation=*/true).yaw_rate_std, 0.006);
+  twist(0, 0) = 0.05 * 0.05;
+  EXPECT_EQ(motionUncertainty(configured, twist, false).forward_velocity_std, 0.1);
+}
+
 }  // namespace
 }  // namespace radar_dot

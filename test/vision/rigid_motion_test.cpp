@@ -48,7 +48,7 @@ TEST(BaseVelocity, IsTheInverseOfTheMotion) {
   for (const double dt : {0.5, -0.08}) {
     const Eigen::Vector3d linear(9.0, -0.4, 0.1);
     const Eigen::Vector3d angular(0.02, -0.05, 0.6);
-    const BaseVelocity found = baseVelocity(baseMotion(linear, angular, dt), dt);
+    const StampedTwist found = baseVelocity(baseMotion(linear, angular, dt), dt);
     EXPECT_LT((found.linear - linear).norm(), 1e-9);
     EXPECT_LT((found.angular - angular).norm(), 1e-9);
   }

@@ -7,20 +7,14 @@
 #include <sensor_msgs/CompressedImage.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include <Eigen/Core>
 #include <string>
 #include <vector>
 
+#include "radar_dot/common/stamped_twist.h"
 #include "radar_dot/dataset/instance_masks.h"
 #include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::bag {
-
-/// Velocity of the base origin, base frame.
-struct BaseTwist {
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s
-};
 
 /// Half of the interval over which egoTwists differentiates, s: long against the jitter of the
 /// poses, short against the dynamics of a car.
@@ -28,12 +22,12 @@ inline constexpr double kTwistHalfWindow = 0.1;
 
 /// Twist at each pose (rows of tables.ego_poses in time order, stamps all different): central
 /// difference of the poses interpolated at t - half_window and t + half_window (s), one-sided at
-/// the ends. Zero where there is only one pose.
-std::vector<BaseTwist> egoTwists(const dataset::Tables& tables, const std::vector<dataset::Index>& poses,
-                                 double half_window = kTwistHalfWindow);
+/// the ends, without a covariance. Zero where there is only one pose.
+std::vector<StampedTwist> egoTwists(const dataset::Tables& tables, const std::vector<dataset::Index>& poses,
+                                    double half_window = kTwistHalfWindow);
 
 /// map -> base_link with the twist in base_link; covariances zero: this is the reference.
-nav_msgs::Odometry toOdometry(const dataset::EgoPose& pose, const BaseTwist& twist);
+nav_msgs::Odometry toOdometry(const dataset::EgoPose& pose, const StampedTwist& twist);
 
 /// The annotated boxes of a keyframe as cubes in the map frame, after a marker that deletes those
 /// of the keyframe before. The marker's id is the instance's row; red = moves, blue = does not.

@@ -16,7 +16,7 @@
 #include "radar_dot/evaluation/annotation_labels.h"
 #include "radar_dot/evaluation/evaluation_inputs.h"
 #include "radar_dot/evaluation/mean.h"
-#include "radar_dot/evaluation/trajectory.h"
+#include "radar_dot/evaluation/pose_track.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/radar/velocity_filter.h"

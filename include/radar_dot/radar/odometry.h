@@ -7,14 +7,9 @@
 #include <deque>
 #include <optional>
 
-namespace radar_dot {
+#include "radar_dot/common/stamped_twist.h"
 
-/// Velocity of the base frame, in the base frame.
-struct StampedVelocity {
-  double time = 0.0;                                  ///< s
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s
-};
+namespace radar_dot {
 
 /// Integrates body velocities to a pose: the paper's
 ///     p_{t+1} = p_t + R_t v_t dt,
@@ -33,14 +28,12 @@ class VelocityIntegrator {
   /// Restarts at the given pose; the next velocity only sets the clock.
   void reset(const Eigen::Isometry3d& T_odom_from_base = Eigen::Isometry3d::Identity());
 
-  /// Adds a velocity measured at `time` (s). Between two calls the velocity is taken as linear.
-  /// @param linear      m/s, base frame     @param angular  rad/s, base frame
-  /// @param covariance  of [linear, angular], 6x6
-  /// @param R_odom_from_base  orientation at `time` from another source; none: integrate `angular`
-  /// @return false, and no change, when `time` does not lie after the previous one, or when
+  /// Adds a velocity. Between two calls the velocity is taken as linear.
+  /// @param R_odom_from_base  orientation at its time from another source; none: the integral of its angular
+  /// velocity
+  /// @return false, and no change, when its time does not lie after the previous one, or when
   ///         anything is not finite.
-  bool add(double time, const Eigen::Vector3d& linear, const Eigen::Vector3d& angular,
-           const Eigen::Matrix<double, 6, 6>& covariance,
+  bool add(const StampedTwist& twist,
            const std::optional<Eigen::Quaterniond>& R_odom_from_base = std::nullopt);
 
   bool started() const noexcept { return started_; }
@@ -48,8 +41,7 @@ class VelocityIntegrator {
 
  private:
   State state_;
-  Eigen::Vector3d previous_linear_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d previous_angular_ = Eigen::Vector3d::Zero();
+  StampedTwist previous_;
   bool started_ = false;
 };
 

@@ -66,7 +66,7 @@ class SweepEstimator {
   VelocityFilter filter_;
   bool filters_ = true, filters_radars_ = true;
   double bearing_delay_ = 0.0;             // s
-  std::optional<StampedVelocity> latest_;  // valid estimate
+  std::optional<StampedTwist> latest_;  // valid estimate
 };
 
 }  // namespace radar_dot

@@ -36,6 +36,12 @@ struct MotionUncertainty {
 /// Covariance of (omega, tau) in the base frame after `dt` s, rad^2 and m^2.
 /// @throws InvalidParameter for deviations below zero
 Eigen::Matrix<double, 6, 6> baseMotionCovariance(const MotionUncertainty& uncertainty, double dt);
+/// As configured, or where a twist is less certain of its velocities or its yaw rate, as uncertain as it
+/// says. What it does not observe stays as it is.
+/// @param twist         StampedTwist::covariance
+/// @param has_rotation  the yaw is known from a source of rotation instead of the twist
+MotionUncertainty motionUncertainty(const MotionUncertainty& configured,
+                                    const Eigen::Matrix<double, 6, 6>& twist, bool has_rotation);
 
 /// Parameters of refineMotion.
 struct RefinementParams {

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <ros/ros.h>
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -12,7 +13,7 @@
 
 #include "nodelets/inputs/extrinsics.h"
 #include "nodelets/inputs/rotation_source.h"
-#include "nodelets/inputs/twist_history.h"
+#include "radar_dot/common/twist_history.h"
 
 namespace radar_dot {
 
@@ -37,21 +38,14 @@ class EgoMotion {
   /// @throws InvalidParameter as makeRotationSource; the yaw rate of the twists is used then.
   void setUpRotation(const RotationParams& params, ros::NodeHandle& handle);
 
-  struct Answer {
-    std::optional<Eigen::Isometry3d> T_begin_from_end;  ///< of the base frame; none: see `missing`
-    std::string missing;
-    bool without_rotation = false;  ///< the twists' own rates stand in for the source of rotation
-  };
-  /// `end` may be the earlier one.
-  /// @param max_hold  s that the latest twist is taken to hold
-  /// @param within_timeout   true: without a rotation at both times there is no answer yet; false: the
-  /// twists' own
-  Answer between(const ros::Time& begin, const ros::Time& end, double max_hold, bool within_timeout);
+  /// TwistHistory::between, with the source of rotation.
+  IntervalMotion between(const ros::Time& begin, const ros::Time& end, double max_hold, bool may_wait);
   /// Velocity of the vehicle at `time`, from the twists alone; none: see `missing`.
-  std::optional<StampedVelocity> velocityAt(const ros::Time& time, double max_hold,
-                                            std::string& missing) const;
-  /// Of the latest twist that was not left out, as in its message; zero before the first.
-  const geometry_msgs::TwistWithCovariance::_covariance_type& latestCovariance() const { return covariance_; }
+  std::optional<StampedTwist> velocityAt(const ros::Time& time, double max_hold, std::string& missing) const;
+  /// Of the latest twist that was not left out; zero before the first.
+  Eigen::Matrix<double, 6, 6> latestCovariance() const {
+    return twists_.latest() != nullptr ? twists_.latest()->covariance : StampedTwist().covariance;
+  }
   bool hasRotation() const { return rotation_ != nullptr; }
   void forget();
   /// "odometry on '/rotation/odom'", or "yaw rate of the radars".
@@ -67,7 +61,6 @@ class EgoMotion {
   TwistHistory twists_;
   std::unique_ptr<RotationSource> rotation_;  // none: the twists' own
   bool needs_yaw_rate_;
-  geometry_msgs::TwistWithCovariance::_covariance_type covariance_{};
   std::string unobserved_;  // what the latest twist that was left out does not observe
 };
 

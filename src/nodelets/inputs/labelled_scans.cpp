@@ -31,7 +31,7 @@ std::size_t LabelledScans::numberOf(const std::string& frame) {
   return numbers_.try_emplace(frame, numbers_.size()).first->second;
 }
 
-void LabelledScans::add(const sensor_msgs::PointCloud2& cloud, ReturnLabel label) {
+void LabelledScans::add(const sensor_msgs::PointCloud2& cloud, ReturnLabel label, const Moment& now) {
   const std::string& frame = cloud.header.frame_id;
   std::vector<CloudPoint> points = pointsWithResidual(cloud);
   const auto taken = taken_.find(frame);
@@ -43,19 +43,18 @@ void LabelledScans::add(const sensor_msgs::PointCloud2& cloud, ReturnLabel label
     scan.stamp = cloud.header.stamp;
     scan.frame = frame;
     scan.radar = numberOf(frame);
-    scan.arrival = ros::WallTime::now();
+    scan.arrival = now;
   }
   auto& half = label == ReturnLabel::kDynamic ? scan.moving : scan.still;
   if (half) throw std::invalid_argument("its stamp is that of the cloud before");
   half = std::move(points);
 }
 
-std::vector<LabelledScan> LabelledScans::take(double patience) {
+std::vector<LabelledScan> LabelledScans::take(double patience, const Moment& now) {
   std::vector<LabelledScan> ready;
-  const ros::WallTime now = ros::WallTime::now();
   while (!waiting_.empty()) {
     LabelledScan& front = waiting_.begin()->second;
-    const bool within_timeout = (now - front.arrival).toSec() < patience && waiting_.size() <= kMaxWaiting;
+    const bool within_timeout = front.arrival.waits(patience, now) && waiting_.size() <= kMaxWaiting;
     if (!front.complete() && within_timeout) break;
     ros::Time& latest = taken_[front.frame];
     if (front.stamp > latest) latest = front.stamp;
@@ -71,7 +70,7 @@ void LabelledScans::clear() {
 }
 
 std::vector<ReturnOverGround> returnsOf(const LabelledScan& scan, const Eigen::Isometry3d& T_base_from_sensor,
-                                        const StampedVelocity& velocity, const OverGroundParams& params) {
+                                        const StampedTwist& velocity, const OverGroundParams& params) {
   std::vector<DopplerReturn> returns;
   RadarScan radar_scan;
   const Eigen::Vector3d sensor_velocity =

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "nodelets/inputs/cloud_points.h"
+#include "nodelets/inputs/moment.h"
 #include "radar_dot/radar/odometry.h"
 #include "radar_dot/radar/returns_over_ground.h"
 
@@ -26,7 +27,7 @@ struct LabelledScan {
   std::size_t radar = 0;  ///< number of its frame, the same in all scans
   /// None: the cloud did not come.
   std::optional<std::vector<CloudPoint>> still, moving;
-  ros::WallTime arrival;  ///< of its first cloud
+  Moment arrival;  ///< of its first cloud
   bool complete() const { return still && moving; }
 };
 
@@ -37,10 +38,10 @@ class LabelledScans {
   /// @throws std::invalid_argument as pointsOf(), for a cloud without residuals, and for one whose scan was
   /// taken
   ///         already, or that is older than one of its radar that was
-  void add(const sensor_msgs::PointCloud2& cloud, ReturnLabel label);
+  void add(const sensor_msgs::PointCloud2& cloud, ReturnLabel label, const Moment& now);
   /// The scans that are complete, in the order of their stamps, up to the first that still waits. One that
-  /// has waited longer than `patience` (s, wall time) goes as it is.
-  std::vector<LabelledScan> take(double patience);
+  /// has waited longer than `patience` (s) goes as it is.
+  std::vector<LabelledScan> take(double patience, const Moment& now);
   /// True when no scan waits: a sweep is complete.
   bool empty() const noexcept { return waiting_.empty(); }
   void clear();
@@ -57,6 +58,6 @@ class LabelledScans {
 /// all that it knows of its radars; those it called dynamic stay so, others may become so by the thresholds.
 /// @param velocity  of the vehicle; only for how sure the velocities are
 std::vector<ReturnOverGround> returnsOf(const LabelledScan& scan, const Eigen::Isometry3d& T_base_from_sensor,
-                                        const StampedVelocity& velocity, const OverGroundParams& params);
+                                        const StampedTwist& velocity, const OverGroundParams& params);
 
 }  // namespace radar_dot

@@ -40,11 +40,8 @@ void MaskInput::configure(const EgoVelocityConfig& config) {
     return;
   }
   for (ros::Subscriber* subscriber : {&mask_subscriber_, &camera_subscriber_}) subscriber->shutdown();
-  for (InputMonitor* monitor : {&mask_monitor_, &camera_monitor_}) {
-    monitor->setTopic({});
-    monitor->reset();
-  }
-  mask_.reset();
+  for (InputMonitor* monitor : {&mask_monitor_, &camera_monitor_}) monitor->setTopic({});
+  forget();
 }
 
 void MaskInput::subscribe() {
@@ -81,7 +78,7 @@ void MaskInput::guard(InputMonitor& input, const std::function<void()>& body) {
   }
 }
 
-void MaskInput::add(const StampedVelocity& velocity) {
+void MaskInput::add(const StampedTwist& velocity) {
   if (enabled_) velocities_.add(velocity);
 }
 
@@ -126,7 +123,9 @@ std::string MaskInput::markByLatest(RadarScan& scan) {
                             T_base_from_camera->inverse()};
   return markReturns(scan, stamped, max_age_, footprint_,
                      [this](double begin, double end, std::string& reason) {
-                       return velocities_.motion(begin, end, max_age_, reason);
+                       IntervalMotion between = velocities_.between(begin, end, max_age_);
+                       reason = std::move(between.missing);
+                       return between.T_begin_from_end;
                      });
 }
 

@@ -9,8 +9,8 @@
 
 #include "nodelets/common/input_monitor.h"
 #include "nodelets/inputs/extrinsics.h"
-#include "nodelets/inputs/twist_history.h"
 #include "nodelets/messages/image_messages.h"
+#include "radar_dot/common/twist_history.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/radar/ego_velocity.h"
 
@@ -26,7 +26,7 @@ class MaskInput {
   /// use_mask, mask_max_age and the footprint. Does not throw.
   void configure(const EgoVelocityConfig& config);
   /// A velocity of the vehicle, which brings returns to the time of the mask.
-  void add(const StampedVelocity& velocity);
+  void add(const StampedTwist& velocity);
   void forget();
 
   /// Sets known_dynamic of a scan where there is a mask that tells.

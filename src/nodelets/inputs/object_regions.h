@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "nodelets/inputs/moment.h"
 #include "nodelets/inputs/stamp_cache.h"
 #include "nodelets/inputs/waiting_queue.h"
 #include "nodelets/messages/image_messages.h"

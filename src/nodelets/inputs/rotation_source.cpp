@@ -17,59 +17,67 @@ constexpr std::uint32_t kQueueSize = 200;
 
 /// What both sources of messages have in common: nothing that arrives may end the process, and a
 /// wrong stamp costs no more than its own message.
-class GuardedCallback {
+template <typename Message>
+class MessageSource : public RotationSource {
  public:
-  /// Runs `body`; whatever it throws becomes a warning.
-  template <typename Body>
-  void handle(const RotationSource::Callbacks& callbacks, const std::string& source, const Body& body) const {
-    try {
-      callbacks.arrival();
-      body();
-    } catch (const std::exception& error) {
-      callbacks.warn(source + ": a message is left out: " + error.what());
-    }
+  MessageSource(const ros::NodeHandle& handle, const std::string& topic, Callbacks callbacks)
+      : callbacks_(std::move(callbacks)), handle_(handle), topic_(handle_.resolveName(topic)) {}
+  void start() override {
+    subscriber_ = handle_.subscribe<Message>(
+        topic_, kQueueSize, [this](const boost::shared_ptr<const Message>& message) {
+          try {
+            callbacks_.arrival();
+            use(*message);
+          } catch (const std::exception& error) {
+            callbacks_.warn(describe() + ": a message is left out: " + error.what());
+          }
+        });
   }
-  /// @throws std::invalid_argument for a stamp that cannot be used.
-  StampGuard::Verdict check(const ros::Time& stamp) {
+  std::optional<StampedPose> at(const ros::Time& stamp) override { return buffer_.at(stamp.toSec()); }
+  std::optional<double> latest() const override { return buffer_.latest(); }
+  void reset() override {
+    buffer_.clear();
+    stamps_.reset();
+  }
+
+ protected:
+  virtual void use(const Message& message) = 0;
+  /// @return true where time starts again. @throws std::invalid_argument for a stamp that cannot be used.
+  bool restartsAt(const ros::Time& stamp) {
     const std::string defect = stampDefect(stamp, ros::Time::now());
     if (!defect.empty()) throw std::invalid_argument(defect);
     const StampGuard::Verdict verdict = stamps_.check(stamp);
     if (verdict == StampGuard::Verdict::kStale) {
       throw std::invalid_argument("stamp not newer than the previous one's");
     }
-    return verdict;
+    return verdict == StampGuard::Verdict::kRestart;
   }
-  void reset() { stamps_.reset(); }
+  const std::string& topic() const { return topic_; }
+
+  Callbacks callbacks_;
+  PoseBuffer buffer_;
 
  private:
+  ros::NodeHandle handle_;
+  std::string topic_;
   StampGuard stamps_;
+  ros::Subscriber subscriber_;
 };
 
 /// Orientation and position from a nav_msgs/Odometry of the base frame.
-class OdometrySource : public RotationSource {
+class OdometrySource : public MessageSource<nav_msgs::Odometry> {
  public:
-  OdometrySource(ros::NodeHandle& handle, const std::string& base_frame, Callbacks callbacks)
-      : base_frame_(base_frame), callbacks_(std::move(callbacks)) {
-    subscriber_ = handle.subscribe<nav_msgs::Odometry>(
-        "rotation/odom", kQueueSize, [this](const nav_msgs::OdometryConstPtr& odometry) {
-          gate_.handle(callbacks_, describe(), [&] { onOdometry(*odometry); });
-        });
-  }
-  std::optional<PoseSample> at(const ros::Time& stamp) override { return buffer_.at(stamp.toSec()); }
-  std::optional<double> latest() const override { return buffer_.latest(); }
-  void reset() override {
-    buffer_.clear();
-    gate_.reset();
-  }
+  OdometrySource(const ros::NodeHandle& handle, const std::string& base_frame, Callbacks callbacks)
+      : MessageSource(handle, "rotation/odom", std::move(callbacks)), base_frame_(base_frame) {}
   bool isAbsolute() const override { return true; }
   bool hasPosition() const override { return true; }
   std::string frame() const override { return frame_; }
-  std::string describe() const override { return "odometry on '" + subscriber_.getTopic() + "'"; }
+  std::string describe() const override { return "odometry on '" + topic() + "'"; }
 
  private:
-  void onOdometry(const nav_msgs::Odometry& odometry) {
-    const PoseSample sample = poseOf(odometry);
-    if (gate_.check(odometry.header.stamp) == StampGuard::Verdict::kRestart) buffer_.clear();
+  void use(const nav_msgs::Odometry& odometry) override {
+    const StampedPose sample = poseOf(odometry);
+    if (restartsAt(odometry.header.stamp)) buffer_.clear();
     if (!odometry.child_frame_id.empty() && odometry.child_frame_id != base_frame_) {
       callbacks_.warn(describe() + ": its child frame is '" + odometry.child_frame_id + "', not '" +
                       base_frame_ + "'; its rotation is taken as that of '" + base_frame_ + "'");
@@ -81,36 +89,24 @@ class OdometrySource : public RotationSource {
 
   std::string base_frame_;
   std::string frame_;
-  Callbacks callbacks_;
-  GuardedCallback gate_;
-  PoseBuffer buffer_;
-  ros::Subscriber subscriber_;
 };
 
 /// Heading from the yaw rate of an IMU. Its orientation is not used: that of many IMUs is none.
-class ImuSource : public RotationSource {
+class ImuSource : public MessageSource<sensor_msgs::Imu> {
  public:
-  ImuSource(ros::NodeHandle& handle, Extrinsics& extrinsics, Callbacks callbacks)
-      : extrinsics_(extrinsics), callbacks_(std::move(callbacks)) {
-    subscriber_ = handle.subscribe<sensor_msgs::Imu>(
-        "rotation/imu", kQueueSize, [this](const sensor_msgs::ImuConstPtr& imu) {
-          gate_.handle(callbacks_, describe(), [&] { onImu(*imu); });
-        });
-  }
-  std::optional<PoseSample> at(const ros::Time& stamp) override { return buffer_.at(stamp.toSec()); }
-  std::optional<double> latest() const override { return buffer_.latest(); }
+  ImuSource(const ros::NodeHandle& handle, Extrinsics& extrinsics, Callbacks callbacks)
+      : MessageSource(handle, "rotation/imu", std::move(callbacks)), extrinsics_(extrinsics) {}
   void reset() override {
-    buffer_.clear();
+    MessageSource::reset();
     heading_.reset();
-    gate_.reset();
   }
   bool isAbsolute() const override { return false; }
   bool hasPosition() const override { return false; }
   std::string frame() const override { return {}; }
-  std::string describe() const override { return "IMU on '" + subscriber_.getTopic() + "'"; }
+  std::string describe() const override { return "IMU on '" + topic() + "'"; }
 
  private:
-  void onImu(const sensor_msgs::Imu& imu) {
+  void use(const sensor_msgs::Imu& imu) override {
     const Eigen::Vector3d rate(imu.angular_velocity.x, imu.angular_velocity.y, imu.angular_velocity.z);
     // -1 in the first place of a covariance is how sensor_msgs/Imu says "not measured".
     if (!rate.allFinite() || imu.angular_velocity_covariance[0] == -1.0) {
@@ -119,13 +115,13 @@ class ImuSource : public RotationSource {
     std::string error;
     const std::optional<Eigen::Isometry3d> mount = extrinsics_.lookup(imu.header.frame_id, error);
     if (!mount) throw std::invalid_argument(error);
-    if (gate_.check(imu.header.stamp) == StampGuard::Verdict::kRestart) heading_.reset();
+    if (restartsAt(imu.header.stamp)) heading_.reset();
     const double time = imu.header.stamp.toSec();
     if (heading_.add(time, (mount->linear() * rate).z())) {
       buffer_.clear();
       callbacks_.restarted();
     }
-    PoseSample sample;
+    StampedPose sample;
     sample.time = time;
     sample.rotation = Eigen::AngleAxisd(heading_.yaw(), Eigen::Vector3d::UnitZ());
     buffer_.add(sample);
@@ -133,11 +129,7 @@ class ImuSource : public RotationSource {
   }
 
   Extrinsics& extrinsics_;
-  Callbacks callbacks_;
-  GuardedCallback gate_;
-  PoseBuffer buffer_;
   YawIntegrator heading_;
-  ros::Subscriber subscriber_;
 };
 
 /// Pose of the base frame in a fixed frame of TF.
@@ -146,12 +138,12 @@ class TfSource : public RotationSource {
   TfSource(std::string fixed_frame, Extrinsics& extrinsics)
       : fixed_frame_(std::move(fixed_frame)), extrinsics_(extrinsics) {}
 
-  std::optional<PoseSample> at(const ros::Time& stamp) override {
+  std::optional<StampedPose> at(const ros::Time& stamp) override {
     try {
       const Eigen::Isometry3d pose = isometryOf(
           extrinsics_.buffer().lookupTransform(fixed_frame_, extrinsics_.baseFrame(), stamp).transform);
       latest_ = stamp.toSec();
-      return PoseSample{stamp.toSec(), Eigen::Quaterniond(pose.linear()), pose.translation()};
+      return StampedPose(stamp.toSec(), pose);
     } catch (const std::exception&) {
       return std::nullopt;
     }
@@ -173,10 +165,10 @@ class TfSource : public RotationSource {
 
 }  // namespace
 
-PoseSample poseOf(const nav_msgs::Odometry& odometry) {
+StampedPose poseOf(const nav_msgs::Odometry& odometry) {
   const geometry_msgs::Quaternion& q = odometry.pose.pose.orientation;
   const geometry_msgs::Point& p = odometry.pose.pose.position;
-  PoseSample sample;
+  StampedPose sample;
   sample.time = odometry.header.stamp.toSec();
   sample.rotation = Eigen::Quaterniond(q.w, q.x, q.y, q.z);
   sample.position = {p.x, p.y, p.z};

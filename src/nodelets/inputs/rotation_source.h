@@ -11,7 +11,7 @@
 #include <string>
 
 #include "nodelets/inputs/extrinsics.h"
-#include "nodelets/inputs/pose_buffer.h"
+#include "radar_dot/common/pose_buffer.h"
 #include "radar_dot/config/sections.h"
 
 namespace radar_dot {
@@ -29,8 +29,11 @@ class RotationSource {
 
   virtual ~RotationSource() = default;
 
+  /// Listens from now on; until then no callback is called, so that their owner can hold the source first.
+  virtual void start() {}
+
   /// Pose of the base frame in the source's own frame; none: not known, or not yet.
-  virtual std::optional<PoseSample> at(const ros::Time& stamp) = 0;
+  virtual std::optional<StampedPose> at(const ros::Time& stamp) = 0;
   /// Time of the latest sample, s; none: nothing received.
   virtual std::optional<double> latest() const = 0;
   virtual void reset() = 0;
@@ -45,9 +48,9 @@ class RotationSource {
 };
 
 /// The pose of a message. @throws std::invalid_argument where it has no unit quaternion or is not finite.
-PoseSample poseOf(const nav_msgs::Odometry& odometry);
+StampedPose poseOf(const nav_msgs::Odometry& odometry);
 
-/// The source that the parameters name; none: the twist's own yaw rate.
+/// The source that the parameters name, not started; none: the twist's own yaw rate.
 /// @throws InvalidParameter for a tf without a frame of its own
 std::unique_ptr<RotationSource> makeRotationSource(const RotationParams& params, ros::NodeHandle& handle,
                                                    Extrinsics& extrinsics,

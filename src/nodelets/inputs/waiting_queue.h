@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <ros/time.h>
-
 #include <cstddef>
 #include <deque>
 #include <limits>
@@ -11,22 +9,14 @@
 #include <string>
 #include <utility>
 
+#include "nodelets/inputs/moment.h"
+
 namespace radar_dot {
 
-/// A time on two clocks, s: that of the data, which a replay lets run slow or fast, and that of the machine.
-struct Moment {
-  double data = 0.0, wall = 0.0;
-};
-inline Moment momentNow() { return {ros::Time::now().toSec(), ros::WallTime::now().toSec()}; }
-
 /// Messages that wait, in their order, for others that belong to them.
-///
-/// Timeouts count the time of the data. Where that clock stops (the end of a bag), a message waits
-/// kStoppedClock times as long by the machine's clock: longer than a replay at a tenth of the rate takes.
 template <typename Item>
 class WaitingQueue {
  public:
-  static constexpr double kStoppedClock = 20.0;
   static constexpr std::size_t kMaxWaiting = 4;  // at 12 Hz a third of a second
 
   /// What an item lacks; nothing: it is complete.
@@ -50,10 +40,8 @@ class WaitingQueue {
   std::optional<Taken> take(double timeout, const Moment& now, const LackOf& lackOf) {
     if (waiting_.empty()) return std::nullopt;
     Waiting& front = waiting_.front();
-    double waited = now.data - front.arrival.data;
-    const bool is_over = waited >= timeout || now.wall - front.arrival.wall >= kStoppedClock * timeout ||
-                         waiting_.size() > kMaxWaiting;
-    if (is_over) waited = std::numeric_limits<double>::infinity();
+    const bool is_over = !front.arrival.waits(timeout, now) || waiting_.size() > kMaxWaiting;
+    const double waited = is_over ? std::numeric_limits<double>::infinity() : now.ros - front.arrival.ros;
     Lack lack = lackOf(front.item, waited);
     if (!lack.missing.empty() && !lack.forever && !is_over) return std::nullopt;
     Taken taken{std::move(front.item), std::move(lack.missing)};

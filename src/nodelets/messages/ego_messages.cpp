@@ -24,6 +24,23 @@ geometry_msgs::TwistWithCovarianceStamped twistMessage(const ros::Time& stamp, c
   return message;
 }
 
+StampedTwist twistOf(const geometry_msgs::TwistWithCovarianceStamped& message) {
+  const auto vectorOf = [](const geometry_msgs::Vector3& v) { return Eigen::Vector3d(v.x, v.y, v.z); };
+  const geometry_msgs::TwistWithCovariance& twist = message.twist;
+  return {message.header.stamp.toSec(), vectorOf(twist.twist.linear), vectorOf(twist.twist.angular),
+          Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(twist.covariance.data())};
+}
+
+std::string twistDefect(const geometry_msgs::TwistWithCovarianceStamped& message,
+                        const std::string& base_frame) {
+  if (message.header.frame_id != base_frame) {
+    return "its frame is '" + message.header.frame_id + "', not the base frame '" + base_frame + "'";
+  }
+  const StampedTwist twist = twistOf(message);
+  const bool finite = twist.linear.allFinite() && twist.angular.allFinite() && twist.covariance.allFinite();
+  return finite ? "" : "it is not finite";
+}
+
 EgoStatus statusMessage(const ros::Time& stamp, const std::string& base_frame,
                         const EgoVelocityParams& params, const EgoVelocityResult& result) {
   EgoStatus message;

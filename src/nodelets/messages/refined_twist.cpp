@@ -20,7 +20,7 @@ geometry_msgs::TwistWithCovarianceStamped refinedTwist(const MaskPair& pair, con
   const double dt = pair.second_time - pair.first_time;
   const Eigen::Isometry3d T_camera_from_base = pair.T_base_from_camera.inverse();
   // Points seen from the base, and the base seen from them, move the opposite way.
-  const BaseVelocity velocity = baseVelocity(
+  const StampedTwist velocity = baseVelocity(
       (pair.T_base_from_camera * refined.T_current_from_previous * T_camera_from_base).inverse(), dt);
   geometry_msgs::TwistWithCovarianceStamped twist;
   twist.header = header;

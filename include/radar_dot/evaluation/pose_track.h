@@ -7,13 +7,9 @@
 #include <cstddef>
 #include <vector>
 
-namespace radar_dot::evaluation {
+#include "radar_dot/common/pose_buffer.h"
 
-/// A pose and its time (s).
-struct StampedPose {
-  double time = 0.0;
-  Eigen::Isometry3d T_map_from_base = Eigen::Isometry3d::Identity();
-};
+namespace radar_dot::evaluation {
 
 /// The true motion of a vehicle, from poses sorted by time.
 class PoseTrack {
@@ -23,15 +19,13 @@ class PoseTrack {
 
   double begin() const noexcept { return poses_.front().time; }
   double end() const noexcept { return poses_.back().time; }
-  const std::vector<StampedPose>& poses() const noexcept { return poses_; }
 
   /// Is `time` covered, give or take `slack` seconds?
   bool covers(double time, double slack = 0.1) const noexcept {
     return time >= begin() - slack && time <= end() + slack;
   }
 
-  /// Pose at `time`: linear in position, slerp in rotation; beyond the ends at the constant
-  /// velocity of the nearest quarter of a second.
+  /// Interpolated; beyond the ends at the constant velocity of the nearest quarter of a second.
   Eigen::Isometry3d at(double time) const;
 
   /// Mean velocity between two times: the displacement (p(t1) - p(t0)) / (t1 - t0), in the base

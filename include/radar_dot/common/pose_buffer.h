@@ -10,12 +10,20 @@
 
 namespace radar_dot {
 
-/// A pose at a time; the position is zero where the source knows the rotation only.
-struct PoseSample {
+/// Pose of the base frame in a fixed frame; the position is zero where the source knows the rotation only.
+struct StampedPose {
+  StampedPose() = default;
+  StampedPose(double seconds, const Eigen::Isometry3d& T_fixed_from_base)
+      : time(seconds), rotation(T_fixed_from_base.linear()), position(T_fixed_from_base.translation()) {}
+  Eigen::Isometry3d isometry() const { return Eigen::Translation3d(position) * rotation; }
+
   double time = 0.0;  ///< s
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m
 };
+
+/// Linear in position, spherical linear in rotation; beyond the two poses at the same velocities.
+StampedPose interpolate(const StampedPose& from, const StampedPose& to, double time);
 
 /// What became of a sample that was added to a buffer.
 enum class SampleOutcome {
@@ -32,9 +40,9 @@ class PoseBuffer {
   explicit PoseBuffer(double duration = 5.0, std::size_t capacity = 10000, double max_gap = 0.5)
       : duration_(duration), capacity_(capacity), max_gap_(max_gap) {}
 
-  SampleOutcome add(const PoseSample& sample);
-  /// Linear in position, spherical linear in rotation; none outside the samples.
-  std::optional<PoseSample> at(double time) const;
+  SampleOutcome add(const StampedPose& sample);
+  /// Interpolated; none outside the samples.
+  std::optional<StampedPose> at(double time) const;
   /// Time of the latest sample, s.
   std::optional<double> latest() const;
   void clear() { samples_.clear(); }
@@ -43,7 +51,7 @@ class PoseBuffer {
   double duration_;
   std::size_t capacity_;
   double max_gap_;
-  std::deque<PoseSample> samples_;
+  std::deque<StampedPose> samples_;
 };
 
 /// Heading from the yaw rate of a gyro, by the trapezoidal rule; starts at zero.

@@ -1,19 +1,18 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/inputs/twist_history.h"
+#include "radar_dot/common/twist_history.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace radar_dot {
 namespace {
 
 constexpr double kHold = 0.3;  // s
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Sample {
   double time, speed, yaw_rate;
@@ -46,6 +45,13 @@ Eigen::Isometry3d arc(double speed, double yaw_rate, double dt) {
   return poseOf(speed / yaw_rate * std::sin(angle), speed / yaw_rate * (1.0 - std::cos(angle)), angle);
 }
 
+std::optional<Eigen::Isometry3d> motionOf(const TwistHistory& history, double begin, double end,
+                                          std::string& missing, double max_hold = kHold) {
+  IntervalMotion motion = history.between(begin, end, max_hold);
+  if (!motion.T_begin_from_end) missing = motion.missing;
+  return motion.T_begin_from_end;
+}
+
 void expectPose(const std::optional<Eigen::Isometry3d>& pose, const Eigen::Isometry3d& expected) {
   ASSERT_TRUE(pose);
   EXPECT_TRUE(pose->matrix().isApprox(expected.matrix(), 1e-12)) << pose->matrix() << "\nexpected\n"
@@ -55,24 +61,24 @@ void expectPose(const std::optional<Eigen::Isometry3d>& pose, const Eigen::Isome
 TEST(TwistHistory, StraightAtConstantSpeed) {
   const TwistHistory history = steadyHistory(10.0, 0.0);
   std::string missing;
-  expectPose(history.motion(10.1, 10.9, kHold, missing), poseOf(8.0, 0.0, 0.0));
-  expectPose(history.motion(10.2, 10.3, kHold, missing), poseOf(1.0, 0.0, 0.0));
-  expectPose(history.motion(10.4, 10.4, kHold, missing), poseOf(0.0, 0.0, 0.0));
+  expectPose(motionOf(history, 10.1, 10.9, missing), poseOf(8.0, 0.0, 0.0));
+  expectPose(motionOf(history, 10.2, 10.3, missing), poseOf(1.0, 0.0, 0.0));
+  expectPose(motionOf(history, 10.4, 10.4, missing), poseOf(0.0, 0.0, 0.0));
   EXPECT_EQ(missing, "") << "nothing was";
 }
 
 TEST(TwistHistory, ConstantYawRateIsAnArc) {
   const TwistHistory history = steadyHistory(10.0, 0.8);
   std::string missing;
-  expectPose(history.motion(10.1, 10.9, kHold, missing), arc(10.0, 0.8, 0.8));
-  expectPose(steadyHistory(10.0, -0.4).motion(10.0, 11.0, kHold, missing), arc(10.0, -0.4, 1.0));
+  expectPose(motionOf(history, 10.1, 10.9, missing), arc(10.0, 0.8, 0.8));
+  expectPose(motionOf(steadyHistory(10.0, -0.4), 10.0, 11.0, missing), arc(10.0, -0.4, 1.0));
 }
 
 TEST(TwistHistory, BackInTimeIsExactlyTheInverse) {
   const TwistHistory history = historyOf({{10.0, 3.0, 0.1}, {10.5, 9.0, 0.7}, {11.0, 5.0, -0.2}});
   std::string missing;
-  const std::optional<Eigen::Isometry3d> ahead = history.motion(10.1, 10.9, kHold, missing);
-  const std::optional<Eigen::Isometry3d> back = history.motion(10.9, 10.1, kHold, missing);
+  const std::optional<Eigen::Isometry3d> ahead = motionOf(history, 10.1, 10.9, missing);
+  const std::optional<Eigen::Isometry3d> back = motionOf(history, 10.9, 10.1, missing);
   ASSERT_TRUE(ahead);
   ASSERT_TRUE(back);
   EXPECT_EQ(back->matrix(), ahead->inverse().matrix());
@@ -83,7 +89,7 @@ TEST(TwistHistory, BackInTimeIsExactlyTheInverse) {
 TEST(TwistHistory, MeanOfALinearAccelerationIsThatOfTheMiddle) {
   const TwistHistory history = historyOf({{10.0, 0.0, 0.0}, {10.5, 5.0, 0.2}, {11.0, 10.0, 0.4}});
   std::string missing;
-  const std::optional<StampedVelocity> mean = history.mean(10.2, 10.9, kHold, missing);
+  const std::optional<StampedTwist> mean = history.mean(10.2, 10.9, kHold, missing);
   ASSERT_TRUE(mean);
   EXPECT_DOUBLE_EQ(mean->time, 10.55);
   EXPECT_NEAR(mean->linear.x(), 5.5, 1e-12);
@@ -110,47 +116,61 @@ TEST(TwistHistory, EveryComponentIsUsed) {
   history.add({10.0, linear, angular});
   history.add({10.5, linear, angular});
   std::string missing;
-  const std::optional<Eigen::Isometry3d> motion = history.motion(10.0, 10.5, kHold, missing);
+  const std::optional<Eigen::Isometry3d> motion = motionOf(history, 10.0, 10.5, missing);
   ASSERT_TRUE(motion);
   EXPECT_TRUE(motion->translation().isApprox(0.5 * linear, 1e-12));
 }
 
 TEST(TwistHistory, AGivenRotationReplacesTheYawRate) {
   const TwistHistory history = steadyHistory(10.0, 0.8);
-  std::string missing;
+  const Eigen::Quaterniond early(yaw(1.0)), late(yaw(1.3));
   // 0.3 rad in half a second: as if the yaw rate had been 0.6 rad/s.
-  expectPose(history.motion(10.25, 10.75, kHold, missing, yaw(0.3)), arc(10.0, 0.6, 0.5));
-  // The other way the same arc is driven back; the rotation is that of the earlier in the frame of the later.
-  expectPose(history.motion(10.75, 10.25, kHold, missing, yaw(-0.3)), arc(10.0, 0.6, 0.5).inverse());
+  const KnownRotation rotation{"a gyro", early, late};
+  expectPose(history.between(10.25, 10.75, kHold, &rotation).T_begin_from_end, arc(10.0, 0.6, 0.5));
+  // The other way the same arc is driven back.
+  const KnownRotation back{"a gyro", late, early};
+  expectPose(history.between(10.75, 10.25, kHold, &back, true).T_begin_from_end,
+             arc(10.0, 0.6, 0.5).inverse());
+}
+
+TEST(TwistHistory, TheTwistsStandInForALateRotation) {
+  const TwistHistory history = steadyHistory(10.0, 0.8);
+  const KnownRotation half{"a gyro", Eigen::Quaterniond::Identity(), std::nullopt};
+  const IntervalMotion waiting = history.between(10.25, 10.75, kHold, &half, true);
+  EXPECT_FALSE(waiting.T_begin_from_end);
+  EXPECT_EQ(waiting.missing, "no rotation at the stamps of the images from a gyro");
+  const IntervalMotion without = history.between(10.25, 10.75, kHold, &half, false);
+  expectPose(without.T_begin_from_end, arc(10.0, 0.8, 0.5));
+  EXPECT_TRUE(without.without_rotation);
+  EXPECT_FALSE(history.between(10.25, 10.75, kHold).without_rotation) << "nobody asked for one";
 }
 
 TEST(TwistHistory, AVelocityHoldsForALimitedTime) {
   const TwistHistory history = historyOf({{10.0, 4.0, 0.0}, {10.5, 4.0, 0.0}, {11.0, 6.0, 0.0}});
   std::string missing;
-  expectPose(history.motion(9.75, 10.25, kHold, missing), poseOf(2.0, 0.0, 0.0));
-  expectPose(history.motion(11.0, 11.25, kHold, missing), poseOf(1.5, 0.0, 0.0));
-  expectPose(history.motion(11.1, 11.25, kHold, missing), poseOf(0.9, 0.0, 0.0));
+  expectPose(motionOf(history, 9.75, 10.25, missing), poseOf(2.0, 0.0, 0.0));
+  expectPose(motionOf(history, 11.0, 11.25, missing), poseOf(1.5, 0.0, 0.0));
+  expectPose(motionOf(history, 11.1, 11.25, missing), poseOf(0.9, 0.0, 0.0));
   EXPECT_EQ(missing, "");
 
   for (const bool reversed : {false, true}) {
     const auto motion = [&](double begin, double end) {
       missing.clear();
-      return reversed ? history.motion(end, begin, kHold, missing)
-                      : history.motion(begin, end, kHold, missing);
+      return reversed ? motionOf(history, end, begin, missing) : motionOf(history, begin, end, missing);
     };
     EXPECT_FALSE(motion(10.75, 11.5));
     EXPECT_EQ(missing, "the latest velocity is 0.50 s before the stamp");
     EXPECT_FALSE(motion(9.5, 10.5));
     EXPECT_EQ(missing, "the first velocity is 0.50 s after the stamp");
   }
-  EXPECT_TRUE(history.motion(10.75, 11.5, 0.6, missing)) << "with a longer hold";
-  EXPECT_FALSE(history.motion(10.0, 11.01, 0.0, missing)) << "with none";
+  EXPECT_TRUE(motionOf(history, 10.75, 11.5, missing, 0.6)) << "with a longer hold";
+  EXPECT_FALSE(motionOf(history, 10.0, 11.01, missing, 0.0)) << "with none";
 }
 
 TEST(TwistHistory, NothingIsKnownWithoutVelocities) {
   TwistHistory history;
   std::string missing;
-  EXPECT_FALSE(history.motion(10.0, 10.5, kHold, missing));
+  EXPECT_FALSE(motionOf(history, 10.0, 10.5, missing));
   EXPECT_EQ(missing, "no velocity was received yet");
   EXPECT_FALSE(history.mean(10.0, 10.5, kHold, missing));
   EXPECT_EQ(history.latest(), nullptr);
@@ -159,15 +179,15 @@ TEST(TwistHistory, NothingIsKnownWithoutVelocities) {
 TEST(TwistHistory, OneVelocityIsEnoughAroundIt) {
   const TwistHistory history = historyOf({{10.0, 4.0, 0.0}});
   std::string missing;
-  expectPose(history.motion(9.75, 10.25, kHold, missing), poseOf(2.0, 0.0, 0.0));
+  expectPose(motionOf(history, 9.75, 10.25, missing), poseOf(2.0, 0.0, 0.0));
 }
 
 TEST(TwistHistory, NothingIsInterpolatedAcrossAGap) {
   const TwistHistory history =
       historyOf({{10.0, 4.0, 0.0}, {10.5, 4.0, 0.0}, {12.0, 8.0, 0.0}, {12.5, 8.0, 0.0}});
   std::string missing;
-  expectPose(history.motion(10.0, 10.5, kHold, missing), poseOf(2.0, 0.0, 0.0));
-  expectPose(history.motion(12.0, 12.5, kHold, missing), poseOf(4.0, 0.0, 0.0));
+  expectPose(motionOf(history, 10.0, 10.5, missing), poseOf(2.0, 0.0, 0.0));
+  expectPose(motionOf(history, 12.0, 12.5, missing), poseOf(4.0, 0.0, 0.0));
   EXPECT_TRUE(history.mean(10.5, 10.5, kHold, missing)) << "its border is known";
   EXPECT_EQ(missing, "");
   struct Interval {
@@ -175,7 +195,7 @@ TEST(TwistHistory, NothingIsInterpolatedAcrossAGap) {
   };
   for (const Interval& interval : {Interval{10.4, 10.6}, {11.0, 11.2}, {11.9, 12.1}, {10.0, 12.5}}) {
     missing.clear();
-    EXPECT_FALSE(history.motion(interval.begin, interval.end, kHold, missing)) << interval.begin;
+    EXPECT_FALSE(motionOf(history, interval.begin, interval.end, missing)) << interval.begin;
     EXPECT_EQ(missing, "the velocities have a gap of 1.50 s");
   }
   EXPECT_FALSE(history.mean(11.0, 11.0, kHold, missing)) << "a single time within it";
@@ -185,8 +205,8 @@ TEST(TwistHistory, OldVelocitiesAreDropped) {
   TwistHistory history(2.0);
   for (int i = 0; i <= 6; ++i) history.add({10.0 + 0.5 * i, {1.0, 0.0, 0.0}, {0.0, 0.0, 0.0}});
   std::string missing;
-  EXPECT_TRUE(history.motion(11.0, 13.0, 0.0, missing)) << missing;
-  EXPECT_FALSE(history.motion(10.9, 13.0, 0.0, missing));
+  EXPECT_TRUE(motionOf(history, 11.0, 13.0, missing, 0.0)) << missing;
+  EXPECT_FALSE(motionOf(history, 10.9, 13.0, missing, 0.0));
   EXPECT_EQ(missing, "the first velocity is 0.10 s after the stamp");
 }
 
@@ -206,56 +226,39 @@ TEST(TwistHistory, OnlyLaterVelocitiesAreTaken) {
   EXPECT_EQ(history.latest()->time, 5.0);
 }
 
-geometry_msgs::TwistWithCovarianceStamped twistMessage() {
-  geometry_msgs::TwistWithCovarianceStamped twist;
-  twist.header.frame_id = "base_link";
-  twist.header.stamp = ros::Time(12, 500000000);
-  geometry_msgs::Twist& velocity = twist.twist.twist;
-  velocity.linear.x = 1.0;
-  velocity.linear.y = 2.0;
-  velocity.linear.z = 3.0;
-  velocity.angular.x = 4.0;
-  velocity.angular.y = 5.0;
-  velocity.angular.z = 6.0;
-  return twist;
-}
-
-TEST(TwistDefect, NamesTheFrameAndWhatIsNotFinite) {
-  const geometry_msgs::TwistWithCovarianceStamped good = twistMessage();
-  EXPECT_EQ(twistDefect(good, "base_link"), "");
-  const std::string other = twistDefect(good, "base_footprint");
-  EXPECT_NE(other.find("'base_link'"), std::string::npos) << other;
-  EXPECT_NE(other.find("'base_footprint'"), std::string::npos) << other;
-
-  const auto defect = [&good](auto change) {
-    geometry_msgs::TwistWithCovarianceStamped twist = good;
-    change(twist.twist);
-    return twistDefect(twist, "base_link");
-  };
-  EXPECT_EQ(defect([](auto& twist) { twist.twist.linear.x = kNaN; }), "it is not finite");
-  EXPECT_EQ(defect([](auto& twist) { twist.twist.linear.z = kNaN; }), "it is not finite");
-  EXPECT_EQ(defect([](auto& twist) { twist.twist.angular.z = std::numeric_limits<double>::infinity(); }),
-            "it is not finite");
-  EXPECT_EQ(defect([](auto& twist) { twist.covariance[35] = kNaN; }), "it is not finite");
+TEST(TwistHistory, ATwistThatLacksTheForwardVelocityIsLeftOut) {
+  TwistHistory history;
+  StampedTwist twist{10.0, {4.0, 0.0, 0.0}, {0.0, 0.0, 0.1}};
+  EXPECT_FALSE(history.add(twist).any());
+  twist.time = 10.1;
+  twist.covariance(5, 5) = 1e6;
+  EXPECT_TRUE(history.add(twist, /*needs_yaw_rate=*/true).yaw_rate);
+  EXPECT_EQ(history.latest()->time, 10.0);
+  EXPECT_FALSE(history.add(twist, false).any());
+  EXPECT_EQ(history.latest()->time, 10.1);
+  twist.time = 10.2;
+  twist.covariance(0, 0) = 1e6;
+  EXPECT_TRUE(history.add(twist).forward);
+  EXPECT_EQ(history.latest()->time, 10.1);
 }
 
 // Only a vertical motion has a likely value where it is not observed.
-TEST(VelocityOf, UnobservedVerticalMotionIsZero) {
-  const auto components = [](const StampedVelocity& velocity) {
-    return std::vector<double>{velocity.linear.x(),  velocity.linear.y(),  velocity.linear.z(),
-                               velocity.angular.x(), velocity.angular.y(), velocity.angular.z()};
+TEST(OnWheels, UnobservedVerticalMotionIsZero) {
+  const auto components = [](const StampedTwist& twist) {
+    Eigen::Matrix<double, 6, 1> all;
+    all << twist.linear, twist.angular;
+    return all;
   };
-  EXPECT_EQ(velocityOf(twistMessage()).time, 12.5);
-  const std::vector<double> observed{1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
-  EXPECT_EQ(components(velocityOf(twistMessage())), observed);
-  for (std::size_t i = 0; i < 6; ++i) {
-    geometry_msgs::TwistWithCovarianceStamped twist = twistMessage();
-    twist.twist.covariance[7 * i] = 1e6;
-    std::vector<double> expected = observed;
-    if (i >= 2 && i <= 4) expected[i] = 0.0;
-    EXPECT_EQ(components(velocityOf(twist)), expected) << "component " << i;
-    twist.twist.covariance[7 * i] = 100.0;
-    EXPECT_EQ(components(velocityOf(twist)), observed) << "known badly is not unknown, component " << i;
+  const StampedTwist observed{12.5, {1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
+  EXPECT_EQ(components(onWheels(observed)), components(observed));
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    StampedTwist twist = observed;
+    twist.covariance(i, i) = 1e6;
+    Eigen::Matrix<double, 6, 1> expected = components(observed);
+    if (i >= 2 && i <= 4) expected(i) = 0.0;
+    EXPECT_EQ(components(onWheels(twist)), expected) << "component " << i;
+    twist.covariance(i, i) = 100.0;
+    EXPECT_EQ(components(onWheels(twist)), components(observed)) << "known badly is not unknown, " << i;
   }
 }
 

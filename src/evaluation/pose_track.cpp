@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radar_dot/evaluation/trajectory.h"
+#include "radar_dot/evaluation/pose_track.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,23 +15,6 @@ constexpr double kMinDistance = 10.0;        // m, below which a share of the di
 
 double yawOf(const Eigen::Isometry3d& T) { return std::atan2(T.linear()(1, 0), T.linear()(0, 0)); }
 
-Eigen::Isometry3d interpolate(const StampedPose& a, const StampedPose& b, double time) {
-  const double share = (time - a.time) / (b.time - a.time);
-  const Eigen::Quaterniond qa(a.T_map_from_base.linear());
-  const Eigen::Quaterniond qb(b.T_map_from_base.linear());
-  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
-  if (share >= 0.0 && share <= 1.0) {
-    result.linear() = qa.slerp(share, qb).toRotationMatrix();
-  } else {
-    const Eigen::AngleAxisd turn(qa.conjugate() * qb);
-    result.linear() =
-        (qa * Eigen::Quaterniond(Eigen::AngleAxisd(share * turn.angle(), turn.axis()))).toRotationMatrix();
-  }
-  result.translation() =
-      (1.0 - share) * a.T_map_from_base.translation() + share * b.T_map_from_base.translation();
-  return result;
-}
-
 }  // namespace
 
 PoseTrack::PoseTrack(std::vector<StampedPose> poses) : poses_(std::move(poses)) {
@@ -44,19 +27,20 @@ PoseTrack::PoseTrack(std::vector<StampedPose> poses) : poses_(std::move(poses)) 
 }
 
 Eigen::Isometry3d PoseTrack::at(double time) const {
-  const auto after = std::lower_bound(poses_.begin(), poses_.end(), time,
-                                      [](const StampedPose& pose, double t) { return pose.time < t; });
-  if (after != poses_.begin() && after != poses_.end()) return interpolate(*std::prev(after), *after, time);
-  if (after == poses_.begin()) {
-    auto base =
-        std::lower_bound(std::next(poses_.begin()), std::prev(poses_.end()), begin() + kExtrapolationBase,
-                         [](const StampedPose& pose, double t) { return pose.time < t; });
-    return interpolate(poses_.front(), *base, time);
+  const auto notBefore = [](auto first, auto last, double when) {
+    return std::lower_bound(first, last, when,
+                            [](const StampedPose& pose, double t) { return pose.time < t; });
+  };
+  const auto last = std::prev(poses_.end());
+  auto to = notBefore(poses_.begin(), poses_.end(), time);
+  auto from = to == poses_.begin() ? to : std::prev(to);
+  if (to == poses_.begin()) {
+    to = notBefore(std::next(to), last, begin() + kExtrapolationBase);
+  } else if (to == poses_.end()) {
+    to = last;
+    from = std::min(notBefore(poses_.begin(), last, end() - kExtrapolationBase), std::prev(last));
   }
-  auto base = std::lower_bound(poses_.begin(), std::prev(poses_.end()), end() - kExtrapolationBase,
-                               [](const StampedPose& pose, double t) { return pose.time < t; });
-  if (base == std::prev(poses_.end())) --base;
-  return interpolate(*base, poses_.back(), time);
+  return interpolate(*from, *to, time).isometry();
 }
 
 Eigen::Vector3d PoseTrack::meanVelocity(double t0, double t1) const {
@@ -90,7 +74,7 @@ TrajectoryError compareTrajectory(const std::vector<StampedPose>& estimate, cons
   TrajectoryError result;
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     const Eigen::Vector3d actual = truth.at(estimate[i].time).translation();
-    const double error = (estimate[i].T_map_from_base.translation() - actual).norm();
+    const double error = (estimate[i].position - actual).norm();
     result.squared_error += error * error;
     ++result.count;
     result.end_error = error;

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/inputs/pose_buffer.h"
+#include "radar_dot/common/pose_buffer.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 namespace radar_dot {
 namespace {
 
-PoseSample sampleAt(double time, double yaw, double x) {
-  PoseSample sample;
+StampedPose sampleAt(double time, double yaw, double x) {
+  StampedPose sample;
   sample.time = time;
   sample.rotation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
   sample.position = {x, 0.0, 0.0};

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/inputs/pose_buffer.h"
+#include "radar_dot/common/pose_buffer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,21 @@ constexpr double kResetAfter = 1.0;  // s
 
 }  // namespace
 
-SampleOutcome PoseBuffer::add(const PoseSample& sample) {
+StampedPose interpolate(const StampedPose& from, const StampedPose& to, double time) {
+  const double share = (time - from.time) / (to.time - from.time);
+  StampedPose result;
+  result.time = time;
+  result.position = (1.0 - share) * from.position + share * to.position;
+  if (share >= 0.0 && share <= 1.0) {
+    result.rotation = from.rotation.slerp(share, to.rotation);
+  } else {
+    const Eigen::AngleAxisd turn(from.rotation.conjugate() * to.rotation);
+    result.rotation = from.rotation * Eigen::AngleAxisd(share * turn.angle(), turn.axis());
+  }
+  return result;
+}
+
+SampleOutcome PoseBuffer::add(const StampedPose& sample) {
   SampleOutcome outcome = SampleOutcome::kAdded;
   if (!samples_.empty() && sample.time <= samples_.back().time) {
     if (samples_.back().time - sample.time <= kResetAfter) return SampleOutcome::kStale;
@@ -24,21 +38,15 @@ SampleOutcome PoseBuffer::add(const PoseSample& sample) {
   return outcome;
 }
 
-std::optional<PoseSample> PoseBuffer::at(double time) const {
+std::optional<StampedPose> PoseBuffer::at(double time) const {
   const auto after = std::lower_bound(samples_.begin(), samples_.end(), time,
-                                      [](const PoseSample& sample, double t) { return sample.time < t; });
+                                      [](const StampedPose& sample, double t) { return sample.time < t; });
   if (after == samples_.end()) return std::nullopt;
   if (after->time == time) return *after;
   if (after == samples_.begin()) return std::nullopt;
-  const PoseSample& before = *std::prev(after);
-  const double gap = after->time - before.time;
-  if (gap > max_gap_) return std::nullopt;
-  const double share = (time - before.time) / gap;
-  PoseSample result;
-  result.time = time;
-  result.rotation = before.rotation.slerp(share, after->rotation);
-  result.position = (1.0 - share) * before.position + share * after->position;
-  return result;
+  const StampedPose& before = *std::prev(after);
+  if (after->time - before.time > max_gap_) return std::nullopt;
+  return interpolate(before, *after, time);
 }
 
 std::optional<double> PoseBuffer::latest() const {

@@ -1,0 +1,26 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/time.h>
+
+namespace radar_dot {
+
+/// A moment on both clocks, s. What waits for data counts the clock of ROS, so that a replay at any rate uses
+/// the same data.
+struct Moment {
+  double ros = 0.0, wall = 0.0;
+
+  /// A clock of ROS that stands still (a bag that is paused or over) must hold nothing back for ever: no wait
+  /// is longer than this many times its timeout in wall time. A replay can be slower by this factor.
+  static constexpr double kSlowest = 20.0;
+
+  static Moment now() { return {ros::Time::now().toSec(), ros::WallTime::now().toSec()}; }
+
+  /// True while what arrived at this moment still waits.
+  bool waits(double timeout, const Moment& now) const {
+    return now.ros - ros < timeout && now.wall - wall < kSlowest * timeout;
+  }
+};
+
+}  // namespace radar_dot
