@@ -193,10 +193,11 @@ void DynamicSegmentationConfig::describe(FieldList& fields) {
   fields.group("Timing", FieldList::kLiveOnly);
   fields.add("full_size", full_size,
              "Mask and valid in the size of the image; otherwise on the grid of the flow");
-  describeRadarMaxAge(radar_max_age, fields);
   fields.add("input_timeout", input_timeout, "Longest wait of a flow for the depth of its two images", "s",
              kTimeout);
   describeRotationTimeout(rotation_timeout, fields);
+  fields.group("Timing");
+  describeRadarMaxAge(radar_max_age, fields);
   fields.add("max_twist_age", max_twist_age, "Longest time that the latest twist is taken to hold", "s",
              kTimeout);
 }

@@ -18,8 +18,8 @@
 #include "radar_dot/vision/rigid_motion.h"
 #include "radar_scene.h"
 #include "scene_images.h"
+#include "scene_motion.h"
 #include "segmentation_images.h"
-#include "sweep_velocities.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -28,8 +28,7 @@ namespace fs = std::filesystem;
 using dataset::Index;
 using dataset::Tables;
 
-constexpr double kVelocityStep = 0.08;  // s between the velocities that are averaged over an interval
-constexpr std::uint8_t kCounts = 0;     // values of the ignore image
+constexpr std::uint8_t kCounts = 0;  // values of the ignore image
 constexpr std::uint8_t kIgnored = 255;
 
 /// As of the nodelet. The ground is refined where the depth shows it.
@@ -47,7 +46,7 @@ class SceneRunner {
         options_(options),
         radar_(loadRadarScene(tables, scene, options.radar_channels, options.ego_velocity)),
         images_(tables, radar_, options),
-        estimator_(options.ego_velocity.estimator),
+        motion_(radar_, options),
         pipeline_(pipelineParams(options)) {
     if (options.min_true_residual > 0.0) creeping_.emplace(tables, scene);
   }
@@ -55,114 +54,55 @@ class SceneRunner {
   void evaluate(const ImagePair& pair, const cv::Mat& truth, SegmentationReport& report);
 
  private:
-  struct Velocity {
-    Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
-    std::vector<CloudPoint> dynamic_points, static_points;  // nearest to the begin
-  };
-  std::vector<RadarScan> scansAt(double time);
-  std::optional<Velocity> velocityOf(double begin, double end);
   std::optional<Eigen::Isometry3d> motionOf(const ImagePair& pair, MaskPair& input, Mean& velocity_error);
   std::optional<MaskPair> prepare(const ImagePair& pair, Mean& velocity_error, FlowField& backward);
   std::optional<MaskOutcome> process(const ImagePair& pair, SegmentationReport& report);
   const DynamicSegmentationConfig& segmentation() const { return options_.segmentation; }
-  void remember(const ImagePair& pair, const cv::Mat& mask, const CameraIntrinsics& grid);
+  void remember(const MaskPair& pair, const cv::Mat& mask);
   cv::Mat ignoredOf(const ImagePair& pair, const CameraIntrinsics& grid, double pixel_scale);
 
   const Tables& tables_;
   const SegmentationEvaluationOptions& options_;
   RadarScene radar_;
   SceneImages images_;
-  EgoVelocityEstimator estimator_;
+  SceneMotion motion_;
   MaskPipeline pipeline_;
   std::optional<CreepingActors> creeping_;  // with min_true_residual
-  std::optional<StampedMask> latest_mask_;
-  std::optional<StampedTwist> latest_velocity_;
-  ImagePair latest_;  // that the pipeline has seen
+  ImagePair latest_;                        // that the pipeline has seen
 };
 
-/// The scans nearest to a time, and what the latest mask says of them. Pairs come in time order, so that it
-/// is a mask of a pair before.
-std::vector<RadarScan> SceneRunner::scansAt(double time) {
-  std::vector<RadarScan> scans;
-  for (const LoadedRadar& radar : radar_.radars) {
-    if (const std::optional<std::size_t> nearest = nearestScan(radar, time, kSensorReach))
-      scans.push_back(radar.scan(*nearest));
-  }
-  if (!latest_velocity_) return scans;
-  for (RadarScan& scan : scans) {
-    scan.bearing_rotation = options_.ego_velocity.bearing_delay * latest_velocity_->angular.z();
-    if (latest_mask_) {
-      markReturns(scan, *latest_mask_, options_.ego_velocity.mask_max_age, options_.ego_velocity.footprint,
-                  heldMotion(*latest_velocity_));
-    }
-  }
-  return scans;
-}
-
-std::optional<SceneRunner::Velocity> SceneRunner::velocityOf(double begin, double end) {
-  const int steps = options_.velocity == VelocitySource::kRadarStart
-                        ? 1
-                        : std::max(1, static_cast<int>(std::lround((end - begin) / kVelocityStep)));
-  Velocity mean;
-  int count = 0;
-  for (int i = 0; i < steps; ++i) {
-    const double time =
-        options_.velocity == VelocitySource::kRadarStart ? begin : begin + (end - begin) * (i + 0.5) / steps;
-    const std::vector<RadarScan> scans = scansAt(time);
-    const EgoVelocityResult result = estimator_.estimate(scans, time);
-    if (!result.valid()) continue;
-    latest_velocity_ = {time, result.linear, result.angular};
-    mean.linear += result.linear;
-    mean.angular += result.angular;
-    if (count++ > 0) continue;
-    for (std::size_t scan = 0; scan < scans.size(); ++scan) {
-      for (std::size_t k = 0; k < scans[scan].returns.size(); ++k) {
-        const std::size_t index = result.offsets[scan] + k;
-        const CloudPoint point{positionOf(scans[scan].returns[k], scans[scan].T_base_from_sensor),
-                               result.residuals[index]};
-        if (result.labels[index] == ReturnLabel::kStatic) mean.static_points.push_back(point);
-        if (result.labels[index] == ReturnLabel::kDynamic) mean.dynamic_points.push_back(point);
-      }
-    }
-  }
-  if (count == 0) return std::nullopt;
-  mean.linear /= count;
-  mean.angular /= count;
-  return mean;
-}
-
 /// Keeps the mask of a pair for the velocities after it. It lives at the time of the pair's first image.
-void SceneRunner::remember(const ImagePair& pair, const cv::Mat& mask, const CameraIntrinsics& grid) {
+void SceneRunner::remember(const MaskPair& pair, const cv::Mat& mask) {
   if (!options_.mask_to_velocity) return;
-  const dataset::SampleData& first = images_.reading(pair.first);
-  latest_mask_ = {secondsOf(first), mask, grid, images_.mountOf(first).inverse()};
+  motion_.setMask({pair.first_time, mask, pair.camera, pair.T_base_from_camera.inverse()});
 }
 
+/// Motion and returns as a vehicle knows them at the second image; none where the velocity is not known.
 std::optional<Eigen::Isometry3d> SceneRunner::motionOf(const ImagePair& pair, MaskPair& input,
                                                        Mean& velocity_error) {
-  const dataset::SampleData& first = images_.reading(pair.first);
-  const double begin = secondsOf(first);
-  const double end = secondsOf(images_.reading(pair.second));
+  const double begin = input.first_time, end = input.second_time;
+  const bool true_velocity = options_.velocity == VelocitySource::kGroundTruth;
+  const bool true_rotation = options_.rotation == RotationSource::kGroundTruth;
+  const bool at_start = options_.velocity == VelocitySource::kRadarStart;
   const Eigen::Isometry3d truth = images_.trueMotion(pair);
-  if (options_.velocity == VelocitySource::kGroundTruth &&
-      options_.rotation == RotationSource::kGroundTruth && segmentation().motion.radar.dynamic_gain == 0.0 &&
-      segmentation().motion.radar.static_gain == 0.0)
-    return truth;
-  const std::optional<Velocity> velocity = velocityOf(begin, end);
-  if (!velocity && options_.velocity == VelocitySource::kGroundTruth &&
-      options_.rotation == RotationSource::kGroundTruth)
-    return truth;
-  if (!velocity) return std::nullopt;
-  if (options_.velocity != VelocitySource::kGroundTruth) {
-    const Eigen::Vector3d true_velocity = radar_.truth.meanVelocity(begin, end);
-    velocity_error.add((velocity->linear - true_velocity).head<2>().norm());
+  motion_.advanceTo(end);
+  input.dynamic_points = motion_.pointsAt(ReturnLabel::kDynamic, begin);
+  input.static_points = motion_.pointsAt(ReturnLabel::kStatic, begin);
+  if (true_velocity && true_rotation) return truth;
+  const std::optional<StampedTwist> twist = motion_.mean(begin, at_start ? begin : end);
+  if (!twist) return std::nullopt;
+  if (!true_velocity) {
+    const Eigen::Vector3d true_mean = radar_.truth.meanVelocity(begin, end);
+    velocity_error.add((twist->linear - true_mean).head<2>().norm());
+    input.motion_uncertainty =
+        motionUncertainty(segmentation().motion_uncertainty, motion_.covariance(), true_rotation);
   }
-  input.dynamic_points = velocity->dynamic_points;
-  input.static_points = velocity->static_points;
-  Eigen::Isometry3d motion = options_.rotation == RotationSource::kGroundTruth
-                                 ? baseMotionWithRotation(velocity->linear, truth.linear(), end - begin)
-                                 : baseMotion(velocity->linear, velocity->angular, end - begin);
-  if (options_.velocity == VelocitySource::kGroundTruth) motion.translation() = truth.translation();
+  if (at_start) {
+    return true_rotation ? baseMotionWithRotation(twist->linear, truth.linear(), end - begin)
+                         : baseMotion(twist->linear, twist->angular, end - begin);
+  }
+  std::optional<Eigen::Isometry3d> motion = motion_.between(begin, end, segmentation().max_twist_age);
+  if (motion && true_velocity) motion->translation() = truth.translation();
   return motion;
 }
 
@@ -237,7 +177,7 @@ std::optional<MaskOutcome> SceneRunner::process(const ImagePair& pair, Segmentat
   MaskOutcome outcome = pipeline_.process(*input);
   report.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!backward.flow.empty()) pipeline_.addBackward(input->second_time, input->first_time, backward);
-  remember(pair, outcome.result.mask, input->camera);
+  remember(*input, outcome.result.mask);
   return outcome;
 }
 
@@ -285,7 +225,8 @@ void SegmentationEvaluationOptions::describe(FieldList& fields) {
              "px", {0.0, 10000.0});
   fields.add("mask_to_velocity", mask_to_velocity,
              "Returns in the latest mask are dynamic in the next velocity estimates");
-  fields.add("save_masks", mask_directory, "Folder to which every mask is written as PNG; with --ablation one in it for each step");
+  fields.add("save_masks", mask_directory,
+             "Folder to which every mask is written as PNG; with --ablation one in it for each step");
 }
 
 void validate(const SegmentationEvaluationOptions& options) {

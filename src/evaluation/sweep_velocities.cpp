@@ -63,9 +63,10 @@ std::vector<SceneSweep> assembleSweeps(const RadarScene& scene, const SweepParam
   std::vector<SceneSweep> sweeps;
   std::vector<Assembler::Sweep> completed;
   for (Assembler::Scan& arrival : arrivals) {
+    const double now = arrival.time;
     assembler.add(std::move(arrival), completed);
     for (const Assembler::Sweep& sweep : completed) {
-      sweeps.push_back({sweep.time(), {}});
+      sweeps.push_back({sweep.time(), now, {}});
       for (const Assembler::Scan& scan : sweep.scans) sweeps.back().scans.push_back(scan.reading);
     }
   }

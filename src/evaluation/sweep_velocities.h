@@ -33,9 +33,9 @@ const EstimatedVelocity* latestAt(const std::vector<EstimatedVelocity>& velociti
 /// The motion at a velocity held before and after its time; none a second after it, when it says little.
 MotionBetween heldMotion(const StampedTwist& velocity);
 
-/// The scans of a sweep at `time` (s).
+/// The scans of a sweep at `time` (s), and the stamp of the scan whose arrival showed that it is complete.
 struct SceneSweep {
-  double time = 0.0;
+  double time = 0.0, complete = 0.0;
   std::vector<RadarScan> scans;
 };
 /// All sweeps of a scene, which must outlive them, as on a vehicle where each scan arrives at its stamp.

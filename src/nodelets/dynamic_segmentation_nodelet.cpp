@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <utility>
 
-
 namespace radar_dot {
 namespace {
 
@@ -203,8 +202,8 @@ std::string DynamicSegmentationNodelet::findMotion(const WaitingPairs::Pair& mes
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
       extrinsics_->lookup(flow.header.frame_id, missing);
   if (!T_base_from_camera) return missing;
-  const IntervalMotion motion = motion_->between(flow.header.stamp, flow.second_stamp,
-                                                    config_.max_twist_age, waited < config_.rotation_timeout);
+  const IntervalMotion motion = motion_->between(flow.header.stamp, flow.second_stamp, config_.max_twist_age,
+                                                 waited < config_.rotation_timeout);
   if (!motion.T_begin_from_end)
     return "no motion of the vehicle from '" + twist_input_->topic() + "': " + motion.missing;
   inputs.without_rotation = motion.without_rotation;

@@ -160,8 +160,7 @@ int main(int argc, char** argv) {
   command_line.add("", fieldsOf(configuration.dynamic_segmentation));
   command_line.add("", fieldsOf(configuration.optical_flow));
   command_line.add("", fieldsOf(configuration.depth));
-  command_line.add("", fieldsOf(configuration.ego_velocity),
-                   [&](const radar_dot::Field& field) { return std::string(field.group) != "Filter"; });
+  command_line.add("", fieldsOf(configuration.ego_velocity));
   command_line.addOutputs("", fieldsOf(arguments.files));
   const auto name_of = [&arguments](const void* member) { return tools::nameOf(arguments, member); };
   const std::string dataroot = name_of(&arguments.input.dataroot);

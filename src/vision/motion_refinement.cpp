@@ -42,7 +42,11 @@ class Refiner {
  public:
   Refiner(const MotionInput& input, const std::optional<GroundPlane>& ground, const FlowDepthNoise& noise,
           const RefinementParams& params)
-      : input_(input), ground_(ground), noise_(noise), params_(params), motion_(input.T_current_from_previous) {
+      : input_(input),
+        ground_(ground),
+        noise_(noise),
+        params_(params),
+        motion_(input.T_current_from_previous) {
     Vector8 variances;
     variances.setConstant(kExact);
     Matrix8 prior = variances.asDiagonal();
@@ -254,15 +258,14 @@ RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundP
   requireImage(input.depth, CV_32FC1, input.camera, "depth", "CV_32FC1");
   if (!input.flow_valid.empty())
     requireImage(input.flow_valid, CV_8UC1, input.camera, "flow_valid", "CV_8UC1");
-  if (!input.fb_error.empty())
-    requireImage(input.fb_error, CV_32FC1, input.camera, "fb_error", "CV_32FC1");
+  if (!input.fb_error.empty()) requireImage(input.fb_error, CV_32FC1, input.camera, "fb_error", "CV_32FC1");
   if (!input.depth_std.empty())
     requireImage(input.depth_std, CV_32FC1, input.camera, "depth_std", "CV_32FC1");
   return Refiner(input, ground, noise, params).run();
 }
 
 cv::Mat replaceGroundDepth(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
-                       const GroundPlane& refined, double max_depth) {
+                           const GroundPlane& refined, double max_depth) {
   requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
   constexpr double kEverywhere = std::numeric_limits<double>::infinity();
   const cv::Mat before =
@@ -283,7 +286,7 @@ cv::Mat replaceGroundDepth(const cv::Mat& depth, const CameraIntrinsics& camera,
 }
 
 cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
-                          const GroundPlane& drawn, const RefinedMotion& refined) {
+                         const GroundPlane& drawn, const RefinedMotion& refined) {
   requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
   requireImage(relative_std, CV_32FC1, camera, "relative_std", "CV_32FC1");
   if (!refined.ground) return relative_std;
@@ -315,8 +318,8 @@ void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, d
     input.depth_std = replaceGroundStd(input.depth_std, input.depth, input.camera, *ground, refined);
   input.depth = replaceGroundDepth(input.depth, input.camera, *ground, *refined.ground, max_depth);
   if (input.next_depth.empty()) return;
-  // The backend draws the same plane in the base frame of both images. The ground does not turn with the base:
-  // at t it is the plane found at t-1, seen from a base that has turned and stands on it as before.
+  // The backend draws the same plane in the base frame of both images. The ground does not turn with the
+  // base: at t it is the plane found at t-1, seen from a base that has turned and stands on it as before.
   const Eigen::Isometry3d& mount = ground->T_base_from_camera;
   Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
   turned.linear() = (mount * input.T_current_from_previous.inverse() * mount.inverse()).linear();

@@ -31,7 +31,8 @@ constexpr float kFootprintAbove = 1.5F;
 
 void requireInput(bool good, const char* name, double value, const char* wanted) {
   if (!good)
-    throw std::invalid_argument(fmt::format("motion segmentation: {} is {}, must be {}", name, value, wanted));
+    throw std::invalid_argument(
+        fmt::format("motion segmentation: {} is {}, must be {}", name, value, wanted));
 }
 
 /// An odd kernel of the grid for a diameter given in px of the full image.
@@ -287,7 +288,8 @@ void MotionSegmenter::Workspace::makeMask(const MotionParams& params, double pix
   result.valid_count = static_cast<std::size_t>(cv::countNonZero(result.valid));
   const int opening = kernelSize(params.cleanup.opening, pixel_scale);
   morphology(result.mask, cv::MORPH_OPEN, opening);
-  if (by_uncertainty && params.uncertainty.hysteresis_ratio > 1.0) keepSeeded(static_cast<float>(params.uncertainty.hysteresis_ratio) * tau, opening);
+  if (by_uncertainty && params.uncertainty.hysteresis_ratio > 1.0)
+    keepSeeded(static_cast<float>(params.uncertainty.hysteresis_ratio) * tau, opening);
   morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.cleanup.closing, pixel_scale));
   // Closing reaches over excluded pixels, of which nothing is known.
   cv::bitwise_and(result.mask, result.valid, result.mask);
@@ -323,7 +325,7 @@ MotionResult MotionSegmenter::segment(const MotionInput& input, const MotionInpu
     throw std::invalid_argument("motion segmentation: the paper's score knows nothing of images before");
   if (before != nullptr) {
     requireInput(before->camera.width == camera.width && before->camera.height == camera.height,
-                    "width of the grid of the previous pair", before->camera.width, "that of the pair");
+                 "width of the grid of the previous pair", before->camera.width, "that of the pair");
     requireImages(*before);
   }
 

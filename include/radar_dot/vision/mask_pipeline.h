@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <deque>
-#include <limits>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "radar_dot/vision/motion_refinement.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "radar_dot/vision/optical_flow.h"
+#include "radar_dot/vision/recent_scans.h"
 
 namespace radar_dot {
 
@@ -39,13 +39,6 @@ struct MaskPipelineParams {
 };
 /// @throws InvalidParameter
 void validate(const MaskPipelineParams& params);
-
-/// A point of a cloud.
-struct CloudPoint {
-  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< m
-  /// m/s, |Doppler residual| of a radar return against the vehicle's motion; NaN where it is not known.
-  float residual = std::numeric_limits<float>::quiet_NaN();
-};
 
 /// Two images, their flow and depths on one grid, and the vehicle's motion between them. Images are read
 /// during the call only.

@@ -154,7 +154,8 @@ struct MotionParams {
 /// @throws InvalidParameter, also for a flow without any noise
 void validate(const MotionParams& params);
 
-/// Two images, at t-1 and t, on one grid. Seen from the second image (motion_history.h) t is the earlier time.
+/// Two images, at t-1 and t, on one grid. Seen from the second image (motion_history.h) t is the earlier
+/// time.
 struct ImagePairInput {
   CameraIntrinsics camera;   ///< of the grid
   double pixel_scale = 1.0;  ///< px of the full image per px of the grid

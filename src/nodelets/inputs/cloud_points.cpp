@@ -3,19 +3,12 @@
 #include "nodelets/inputs/cloud_points.h"
 
 #include <array>
-#include <cmath>
 #include <stdexcept>
 
 #include "nodelets/messages/cloud_conversion.h"
 
 namespace radar_dot {
 namespace {
-
-constexpr double kTwistHold = 0.3;  // s
-// s of scans that are kept of each sensor: the images of a pair, and masks of them, come later.
-constexpr double kKept = 4.0;
-constexpr std::size_t kMaxScans = 200;    // of each sensor
-constexpr std::size_t kMaxSensors = 100;  // more are frame names that vary from message to message
 
 /// The field `name` where it can be read; null where there is none.
 /// @throws std::invalid_argument for a field of no known type, or that reaches beyond its point
@@ -65,45 +58,20 @@ std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
 }
 
 void RecentClouds::add(const std::string& topic, const sensor_msgs::PointCloud2& cloud) {
-  Scan scan{cloud.header.stamp, pointsOf(cloud)};
-  if (scans_.size() > kMaxSensors) scans_.clear();
-  std::deque<Scan>& scans = scans_[{cloud.header.frame_id, topic}];
-  scans.push_back(std::move(scan));
-  const double newest = cloud.header.stamp.toSec();
-  while (scans.size() > kMaxScans || newest - scans.front().stamp.toSec() > kKept) scans.pop_front();
-}
-
-const RecentClouds::Scan* RecentClouds::nearest(const std::deque<Scan>& scans, const ros::Time& time,
-                                                double max_age) {
-  const Scan* nearest = nullptr;
-  double least = max_age;
-  for (const Scan& scan : scans) {
-    const double age = std::abs(time.toSec() - scan.stamp.toSec());
-    if (age > least) continue;
-    least = age;
-    nearest = &scan;
-  }
-  return nearest;
+  scans_.add({cloud.header.frame_id, topic}, cloud.header.stamp.toSec(), pointsOf(cloud));
 }
 
 std::vector<CloudPoint> RecentClouds::at(const ros::Time& time, double max_age) {
-  std::vector<CloudPoint> points;
-  for (const auto& [key, scans] : scans_) {
-    const Scan* scan = nearest(scans, time, max_age);
-    if (scan == nullptr) continue;
+  const auto mount = [this](const RecentScans::Sensor& sensor) {
     std::string missing;
-    const std::optional<Eigen::Isometry3d> T_base_from_sensor = extrinsics_.lookup(key.first, missing);
-    if (!T_base_from_sensor) {
-      warn_("the cloud on '" + key.second + "' is left out: " + missing);
-      continue;
-    }
-    const std::optional<Eigen::Isometry3d> T_now_from_scan =
-        motion_.between(time, scan->stamp, kTwistHold, false).T_begin_from_end;
-    const Eigen::Isometry3f T =
-        (T_now_from_scan ? *T_now_from_scan * *T_base_from_sensor : *T_base_from_sensor).cast<float>();
-    for (const CloudPoint& point : scan->points) points.push_back({T * point.position, point.residual});
-  }
-  return points;
+    std::optional<Eigen::Isometry3d> T_base_from_sensor = extrinsics_.lookup(sensor.first, missing);
+    if (!T_base_from_sensor) warn_("the cloud on '" + sensor.second + "' is left out: " + missing);
+    return T_base_from_sensor;
+  };
+  const auto motion = [this](double begin, double end) {
+    return motion_.between(ros::Time(begin), ros::Time(end), kScanTwistHold, false).T_begin_from_end;
+  };
+  return scans_.at(time.toSec(), max_age, mount, motion);
 }
 
 std::vector<Eigen::Vector3f> RecentClouds::positionsAt(const ros::Time& time, double max_age) {

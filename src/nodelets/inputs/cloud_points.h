@@ -5,17 +5,14 @@
 #include <sensor_msgs/PointCloud2.h>
 
 #include <Eigen/Core>
-#include <deque>
 #include <functional>
-#include <limits>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "nodelets/inputs/ego_motion.h"
 #include "nodelets/inputs/extrinsics.h"
-#include "radar_dot/vision/mask_pipeline.h"
+#include "radar_dot/vision/recent_scans.h"
 
 namespace radar_dot {
 
@@ -35,25 +32,16 @@ class RecentClouds {
   void add(const std::string& topic, const sensor_msgs::PointCloud2& cloud);
   void clear() { scans_.clear(); }
 
-  /// Base frame at `time`, of the scan of each sensor and topic that is nearest to it, within `max_age` s.
-  /// Static points are where they were seen; the vehicle's motion since is taken from ego/twist, or as none
-  /// where that is not known.
+  /// RecentScans::at, with the mounts of TF and the motion of ego/twist.
   std::vector<CloudPoint> at(const ros::Time& time, double max_age);
   /// The same without residuals, m.
   std::vector<Eigen::Vector3f> positionsAt(const ros::Time& time, double max_age);
 
  private:
-  struct Scan {
-    ros::Time stamp;
-    std::vector<CloudPoint> points;  // sensor frame
-  };
   Extrinsics& extrinsics_;
   EgoMotion& motion_;
   std::function<void(const std::string&)> warn_;
-  /// The scan nearest to `time`, or null.
-  static const Scan* nearest(const std::deque<Scan>& scans, const ros::Time& time, double max_age);
-
-  std::map<std::pair<std::string, std::string>, std::deque<Scan>> scans_;  // by frame and topic
+  RecentScans scans_;
 };
 
 }  // namespace radar_dot
