@@ -44,10 +44,12 @@ TEST(Ablation, EveryStepAddsOneThing) {
   options.segmentation.refine = options.segmentation.look_back = true;
   const std::vector<AblationStep> steps = ablationSteps(options);
   ASSERT_EQ(steps.size(), 6U);
+  const char* const folders[] = {"paper",          "uncertainty", "refinement",
+                                 "radar_evidence", "look_back",   "memory"};
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const SegmentationEvaluationOptions& step = steps[i].options;
     EXPECT_EQ(step.pairs.camera, "CAM_BACK");
-    EXPECT_TRUE(step.mask_directory.empty());
+    EXPECT_EQ(step.mask_directory, std::string("masks/") + folders[i]);
     EXPECT_EQ(step.segmentation.motion.score == MotionScore::kUncertainty, i >= 1) << steps[i].name;
     EXPECT_EQ(step.optical_flow.flow.forward_backward, i >= 1) << steps[i].name;
     EXPECT_EQ(step.segmentation.refine, i >= 2) << steps[i].name;
@@ -64,7 +66,8 @@ TEST(Ablation, EveryStepAddsOneThing) {
   options.optical_flow.flow.backend = "ground_truth";  // has no flow back
   ASSERT_EQ(ablationSteps(options).size(), 4U);
   options.segmentation.motion.radar.dynamic_gain = 0.0;
-  EXPECT_EQ(ablationSteps(options).back().options.segmentation.motion.radar.dynamic_gain, MotionParams{}.radar.dynamic_gain);
+  EXPECT_EQ(ablationSteps(options).back().options.segmentation.motion.radar.dynamic_gain,
+            MotionParams{}.radar.dynamic_gain);
 }
 
 TEST(Ablation, TheTableHasScenesAsColumns) {

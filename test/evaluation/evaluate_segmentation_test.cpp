@@ -51,6 +51,20 @@ TEST(EvaluateSegmentation, ComparesTheLoopAndMergesComparisons) {
   EXPECT_NE(outcome.text.find(merged.text), std::string::npos) << outcome.text << merged.text;
 }
 
+TEST(EvaluateSegmentation, AnAblationSavesTheMasksOfEveryStep) {
+  const test::NuscenesFixture fixture;
+  const test::TemporaryFolder folder;
+  const test::Outcome outcome =
+      test::runCommand(std::string(TOOL) + " --dataroot " + fixture.dataroot().string() +
+                       " --scenes scene-0001 --max-pairs 2 --working-width 160 --ablation --save-masks " +
+                       folder.path().string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  for (const char* step : {"paper", "uncertainty", "refinement", "radar_evidence", "look_back", "memory"}) {
+    const auto masks = std::filesystem::directory_iterator(folder.path() / step);
+    EXPECT_EQ(std::distance(begin(masks), end(masks)), 2) << step;
+  }
+}
+
 TEST(EvaluateSegmentation, AReportRepeatsItsRun) {
   const test::NuscenesFixture fixture;
   test::expectReportRepeatsRun(
