@@ -59,7 +59,7 @@ class SegmentationEvaluation : public ::testing::Test {
     const dataset::EgoPose& first = tables.ego_poses[static_cast<std::size_t>(poses.front())];
     const dataset::EgoPose& last = tables.ego_poses[static_cast<std::size_t>(poses.back())];
     const Eigen::Vector3d way = last.T_map_from_base().translation() - first.T_map_from_base().translation();
-    return way.norm() / secondsOf(last.timestamp_us - first.timestamp_us);
+    return way.norm() / (1e-6 * static_cast<double>(last.timestamp_us - first.timestamp_us));
   }
 
   static std::unique_ptr<test::SimulatedDataroot> dataroot_;
