@@ -20,13 +20,6 @@ void describeMaxAge(double& max_age, FieldList& fields) {
              {0.001, 3600.0});
 }
 
-void describeRate(double& expected_rate, double& rate_tolerance, FieldList& fields) {
-  fields.add("expected_rate", expected_rate, "Rate of each input, for the diagnostics", "Hz",
-             {0.001, 10000.0});
-  fields.add("rate_tolerance", rate_tolerance,
-             "Deviation from expected_rate above which the diagnostics warn, relative", "", {0.001, 10.0});
-}
-
 void describeRadarMaxAge(double& radar_max_age, FieldList& fields) {
   fields.add("radar_max_age", radar_max_age, "Largest time between the image and a radar scan", "s",
              {0.001, 10.0});
@@ -79,6 +72,14 @@ void RadarEntry::describe(FieldList& fields) {
              {-3.2, 3.2});
 }
 
+void RateParams::describe(FieldList& fields) {
+  fields.add("expected_rate", expected_rate, "Rate of each input, for the diagnostics", "Hz",
+             {0.001, 10000.0});
+  fields.add("rate_tolerance", rate_tolerance,
+             "Deviation from expected_rate above which the diagnostics warn, relative", "", {0.001, 10.0});
+  describeMaxAge(max_age, fields);
+}
+
 void EgoVelocityConfig::describe(FieldList& fields) {
   fields.group("Radars", FieldList::kAtStart);
   fields.addDictionary("radars", radars, "The radars: name -> parameters of each");
@@ -86,8 +87,7 @@ void EgoVelocityConfig::describe(FieldList& fields) {
   fields.group("Node", kFixed);
   describeBaseFrame(base_frame, fields);
   fields.add("queue_size", queue_size, "Clouds per radar that may wait", "", {1, 1000});
-  describeRate(expected_rate, rate_tolerance, fields);
-  describeMaxAge(max_age, fields);
+  rate.describe(fields);
   fields.group("Returns");
   extraction.describe(fields);
   fields.add("bearing_delay", bearing_delay,
@@ -132,8 +132,7 @@ void OdometryConfig::describe(FieldList& fields) {
   fields.add("publish_tf", publish_tf, "Publish the transform from odom_frame to base_frame");
   fields.add("publish_source_tf", publish_source_tf,
              "With start_at_source: publish that odom_frame coincides with the frame of the source");
-  describeRate(expected_rate, rate_tolerance, fields);
-  describeMaxAge(max_age, fields);
+  rate.describe(fields);
   fields.group("Odometry", FieldList::kLiveOnly);
   fields.add("max_gap", max_gap, "Longest gap between two twists that is integrated over", "s", {0.01, 60.0});
   describeRotationTimeout(rotation_timeout, fields);

@@ -232,13 +232,12 @@ void followObjects(const RadarScene& scene, const OnlineMotion& motion, const st
     for (; keyframe < times.size() && times[keyframe] < time; ++keyframe)
       if (scene.truth.covers(times[keyframe])) comparison.add(keyframe, tracker.moving(times[keyframe]));
   };
-  const std::size_t mask_source = scene.radars.size();
   const auto useMasksBefore = [&](double time) {
     for (; masks != nullptr && mask < masks->size() && masks->knownFrom(mask) < time; ++mask) {
       compareBefore(masks->knownFrom(mask));
       const double image_time = masks->timeOf(mask);
       if (!motion.velocityAt(image_time)) continue;
-      tracker.update(image_time, mask_source, masks->detections(mask), motion.poseAt(image_time));
+      tracker.update(image_time, std::nullopt, masks->detections(mask), motion.poseAt(image_time));
     }
   };
   for (const SeenScan& scan : scans) {

@@ -3,27 +3,20 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "nodelets/common/stream_nodelet.h"
-#include "nodelets/messages/image_messages.h"
 
 namespace radar_dot {
 
 /// Decodes `image/compressed` once, so that everything in the manager shares one `image`.
-class DecodeImageNodelet : public StreamNodelet {
+class DecodeImageNodelet : public ConfiguredNodelet<StreamParams> {
  private:
-  void onInit() override {
-    const GivenConfig<StreamParams> given = readConfig<StreamParams>(getPrivateNodeHandle());
-    setUp("decoder", given.config);
-    for (const std::string& line : given.problems.lines) noteProblem(line);
+  void setUp() override {
+    describe("decoder", config_);
     publisher_ = getNodeHandle().advertise<sensor_msgs::Image>("image", 2);
-    input_ = &addInput("image");
-    connectWhile([this] { return publisher_.getNumSubscribers() > 0; },
-                 [this] {
-                   subscriber_ = listen<sensor_msgs::CompressedImage>(
-                       *input_, "image/compressed", 1,
-                       [this](const sensor_msgs::CompressedImageConstPtr& image) { decode(*image); });
-                 },
-                 [this] { stop(*input_, subscriber_); });
+    listenAs<sensor_msgs::CompressedImage>(
+        "input image", std::make_unique<InputMonitor>("image", expectation(), true), "image/compressed", 1,
+        [this](const sensor_msgs::CompressedImageConstPtr& image) { decode(*image); });
   }
+  bool hasAudience() const override { return publisher_.getNumSubscribers() > 0; }
 
   void decode(const sensor_msgs::CompressedImage& message) {
     constexpr int kColour = 3;
@@ -34,13 +27,11 @@ class DecodeImageNodelet : public StreamNodelet {
 
   void clearHistory() override {}
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override {
-    status.summary(diagnostic_msgs::DiagnosticStatus::OK, connected() ? "decoding" : "idle: no subscribers");
+    status.summary(diagnostic_msgs::DiagnosticStatus::OK, "decoding");
     status.addf("images decoded", "%zu", decoded_);
   }
 
   ros::Publisher publisher_;
-  ros::Subscriber subscriber_;
-  InputMonitor* input_ = nullptr;
   std::size_t decoded_ = 0;
 };
 

@@ -46,47 +46,40 @@ double clean(cv::Mat& depth, double max_depth) {
 
 }  // namespace
 
-void DepthNodelet::onInit() {
-  const GivenConfig<DepthConfig> given = readConfig<DepthConfig>(getPrivateNodeHandle());
-  config_ = given.config;
-  setUp("depth", config_.stream);
+void DepthNodelet::setUp() {
+  describe("depth", config_.stream);
   ros::NodeHandle& handle = getNodeHandle();
   const auto warn_of_sensor = [this](const std::string& text) { warn("sensor", text); };
-  extrinsics_ = std::make_unique<Extrinsics>(config_.stream.base_frame, handle);
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [] {}, [this](const std::string& text) { warn("rotation", text); });
   radar_clouds_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
   lidar_clouds_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
 
-  image_ = &addInput("image");
-  camera_input_ = &addInput("camera_info");
-  depth_input_ = &addInput("depth/input");
-  lidar_input_ = &addInput("lidar");
-  twist_input_ = &addInput("ego/twist", false);
-  radars_ = addRadars(config_.radar_topics);
-  network_radars_ = addRadars(config_.network_radar_topics);
+  const auto external = [this] { return config_.isExternal(); };
+  const auto estimated = [this] { return !config_.isExternal(); };
+  listenToImages(3, [this](LazyImage picture) { onImage(std::move(picture)); }, {true, estimated, {}});
+  camera_input_ = &listenToCamera(camera_, {true, estimated, {}});
+  listen<sensor_msgs::Image>("depth/input", 2,
+                             [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); },
+                             {true, external, {}});
+  lidar_input_ = &listenToClouds(
+      "lidar", *lidar_clouds_, {true, [this] { return needs().lidar; }, [this] { lidar_clouds_->clear(); }});
+  listenToTwists(*motion_, {false, estimated, [this] { motion_->forget(); }});
+  listenToRadars(config_.radar_topics, nameOf(config_, config_.radar_topics), false);
+  listenToRadars(config_.network_radar_topics, nameOf(config_, config_.network_radar_topics), true);
   publisher_ = handle.advertise<sensor_msgs::Image>("depth", 3);
   uncertainty_publisher_ = handle.advertise<sensor_msgs::Image>("depth/uncertainty", 3);
-  checkTransport();
-  serve<DepthConfig>(given, [this](const DepthConfig& config) { apply(config); });
-  connectWhile([this] { return publisher_.getNumSubscribers() > 0 || wantsUncertainty(); },
-               [this] { connectInputs(); }, [this] { disconnectInputs(); });
 }
 
-std::vector<DepthNodelet::RadarTopic> DepthNodelet::addRadars(const std::vector<std::string>& topics) {
-  std::vector<RadarTopic> radars;
+void DepthNodelet::listenToRadars(const std::vector<std::string>& topics, const char* parameter,
+                                  bool trained_only) {
+  const auto wanted = [this, trained_only] {
+    return needs().radar && needs().trained_radars_only == trained_only;
+  };
   for (const std::string& topic : topics) {
-    const std::string defect = topicDefect(getNodeHandle(), topic);
-    if (defect.empty()) {
-      radars.push_back({topic, &addInput(topic, false)});
-    } else {
-      const bool for_networks = &topics == &config_.network_radar_topics;
-      const char* name = for_networks ? nameOf(config_, config_.network_radar_topics)
-                                      : nameOf(config_, config_.radar_topics);
-      reportProblem(std::string(name) + ": '" + topic + "' is left out: " + defect);
-    }
+    if (isTopic(topic, parameter))
+      listenToClouds(topic, *radar_clouds_, {false, wanted, [this] { radar_clouds_->clear(); }});
   }
-  return radars;
 }
 
 void DepthNodelet::apply(const DepthConfig& config) {
@@ -96,46 +89,8 @@ void DepthNodelet::apply(const DepthConfig& config) {
   } else if (!estimator_ || !sameFields(config_.depth, config.depth)) {
     estimator_ = estimatorOf(config.depth);
   }
+  if (config_.depth.backend != config.depth.backend) noteOutput();  // it has its time for the first one
   config_ = config;
-  if (connected() && connected_backend_ != config.depth.backend) {
-    attempt([this] {
-      disconnectInputs();
-      connectInputs();
-    });
-  }
-}
-
-void DepthNodelet::disconnectInputs() {
-  subscribers_.clear();
-  image_subscriber_ = {};
-  std::vector<InputMonitor*> inputs = {image_, camera_input_, depth_input_, lidar_input_, twist_input_};
-  for (const auto& [topic, input] : radars_) inputs.push_back(input);
-  for (const auto& [topic, input] : network_radars_) inputs.push_back(input);
-  for (InputMonitor* input : inputs) {
-    input->setTopic({});
-    input->reset();
-  }
-  clearHistory();
-}
-
-void DepthNodelet::connectInputs() {
-  last_depth_ = ros::WallTime::now();
-  connected_backend_ = estimator_ || config_.isExternal() ? config_.depth.backend : std::string();
-  if (config_.isExternal()) {
-    subscribers_.push_back(
-        listen<sensor_msgs::Image>(*depth_input_, "depth/input", 2,
-                                   [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); }));
-    return;
-  }
-  image_subscriber_ = listenToImages(*image_, 3, [this](LazyImage picture) { onImage(std::move(picture)); });
-  subscribers_.push_back(listenToCamera(*camera_input_, camera_));
-  subscribers_.push_back(listenToTwists(*twist_input_, *motion_));
-  if (!estimator_) return;  // images are refused with the reason
-  const DepthNeeds needs = estimator_->needs();
-  if (needs.lidar) subscribers_.push_back(listenToClouds(*lidar_input_, "lidar", *lidar_clouds_));
-  if (!needs.radar) return;
-  for (const auto& [topic, input] : needs.trained_radars_only ? network_radars_ : radars_)
-    subscribers_.push_back(listenToClouds(*input, topic, *radar_clouds_));
 }
 
 void DepthNodelet::clearHistory() {
@@ -147,7 +102,7 @@ void DepthNodelet::clearHistory() {
 void DepthNodelet::onImage(LazyImage picture) {
   const ros::WallTime start = ros::WallTime::now();
   const std_msgs::Header header = picture.header();
-  if (!estimator_) throw std::invalid_argument("no depth: " + configurationError());
+  if (!estimator_) throw std::invalid_argument("no depth: " + server_->error());
   if (!camera_) throw std::invalid_argument("nothing on '" + camera_input_->topic() + "' yet");
   const CameraIntrinsics camera = cameraOf(*camera_);
   if (isDistorted(*camera_)) {
@@ -161,9 +116,8 @@ void DepthNodelet::onImage(LazyImage picture) {
   const cv::Size grid = workingGrid({camera.width, camera.height}, config_.working_width);
   input.camera = camera.scaledTo(grid.width, grid.height);
   input.T_base_from_camera = *T_base_from_camera;
-  const DepthNeeds needs = estimator_->needs();
-  if (needs.image) input.image = picture.pixels();
-  if (needs.lidar) {
+  if (needs().image) input.image = picture.pixels();
+  if (needs().lidar) {
     input.lidar_points = lidar_clouds_->positionsAt(header.stamp, config_.lidar_max_age);
     if (input.lidar_points.empty()) {
       throw std::invalid_argument("no sweep on '" + lidar_input_->topic() + "' within " +
@@ -171,7 +125,7 @@ void DepthNodelet::onImage(LazyImage picture) {
                                   nameOf(config_, config_.lidar_max_age) + ")");
     }
   }
-  if (needs.radar) input.radar_points = radar_clouds_->positionsAt(header.stamp, config_.radar_max_age);
+  if (needs().radar) input.radar_points = radar_clouds_->positionsAt(header.stamp, config_.radar_max_age);
   points_ = input.lidar_points.size() + input.radar_points.size();
   cv::Mat depth = estimator_->estimate(input);
   known_share_ = clean(depth, config_.depth.max_depth);
@@ -200,16 +154,13 @@ void DepthNodelet::publish(const std_msgs::Header& header, const cv::Mat& depth,
   if (!relative_std.empty()) uncertainty_publisher_.publish(imageMessage(header, "32FC1", relative_std));
   publisher_.publish(imageMessage(header, "32FC1", depth));
   ++computed_;
-  last_depth_ = ros::WallTime::now();
+  noteOutput();
 }
 
 void DepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const double without_depth = (ros::WallTime::now() - last_depth_).toSec();
-  if (!connected()) {
-    status.summary(DiagnosticStatus::OK, "idle: no subscribers");
-  } else if (without_depth > silentAfter()) {
-    status.summaryf(DiagnosticStatus::ERROR, "no depth for %.1f s", without_depth);
+  if (withoutOutput() > silentAfter()) {
+    status.summaryf(DiagnosticStatus::ERROR, "no depth for %.1f s", withoutOutput());
   } else if (computed_ > 0 && known_share_ == 0.0) {
     status.summary(DiagnosticStatus::WARN, "no pixel of the latest depth is known");
   } else {

@@ -10,19 +10,9 @@
 #include <utility>
 
 namespace radar_dot {
-namespace {
 
-constexpr double kWaitingPeriod = 0.05;  // s, how often waiting flows are looked at
-
-}  // namespace
-
-void DynamicSegmentationNodelet::onInit() {
-  const GivenConfig<DynamicSegmentationConfig> given =
-      readConfig<DynamicSegmentationConfig>(getPrivateNodeHandle());
-  config_ = given.config;
-  setUp("segmentation", config_.stream);
-  ros::NodeHandle& handle = getNodeHandle();
-  extrinsics_ = std::make_unique<Extrinsics>(config_.stream.base_frame, handle);
+void DynamicSegmentationNodelet::setUp() {
+  describe("segmentation", config_.stream);
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [this] { processQueue(); }, [this](const std::string& text) { warn("rotation", text); },
       true);
@@ -30,21 +20,38 @@ void DynamicSegmentationNodelet::onInit() {
   static_returns_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
   dynamic_returns_ = std::make_unique<RecentClouds>(*extrinsics_, *motion_, warn_of_sensor);
   setUpOutputs();
-  flow_input_ = &addInput("flow");
-  depth_input_ = &addInput("depth");
-  camera_input_ = &addInput("camera_info");
-  twist_input_ = &addInput("ego/twist");
-  static_input_ = &addInput("radar/static", false);
-  dynamic_input_ = &addInput("radar/dynamic", false);
-  backward_input_ = &addInput("flow/backward", false);
-  depth_std_input_ = &addInput("depth/uncertainty", false);
+  setUpInputs();
   try {
-    motion_->setUpRotation(config_.rotation, handle);
+    motion_->setUpRotation(config_.rotation, getNodeHandle());
   } catch (const std::invalid_argument& error) {
     reportProblem(std::string(error.what()) + "; using the yaw rate of the twists");
   }
-  serve<DynamicSegmentationConfig>(given, [this](const DynamicSegmentationConfig& config) { apply(config); });
-  connectWhile([this] { return wanted(); }, [this] { connect(); }, [this] { disconnect(); });
+}
+
+void DynamicSegmentationNodelet::setUpInputs() {
+  using sensor_msgs::Image;
+  flow_input_ = &listen<Flow>("flow", 3, [this](const FlowConstPtr& flow) { onFlow(flow); });
+  depth_input_ = &listen<Image>("depth", 5, [this](const sensor_msgs::ImageConstPtr& depth) {
+    waiting_.addDepth(depth);
+    processQueue();
+  });
+  camera_input_ = &listenToCamera(camera_);
+  twist_input_ = &listenToTwists(*motion_);
+  listenToClouds("radar/static", *static_returns_,
+                 {false, [this] { return config_.motion.radar.static_gain > 0.0; },
+                  [this] { static_returns_->clear(); }});
+  listenToClouds("radar/dynamic", *dynamic_returns_,
+                 {false, [this] { return config_.motion.radar.dynamic_gain > 0.0; },
+                  [this] { dynamic_returns_->clear(); }});
+  backward_input_ = &listen<Flow>("flow/backward", 3,
+                                  [this](const FlowConstPtr& flow) {
+                                    pipeline_.addBackward(flow->header.stamp.toSec(),
+                                                          flow->second_stamp.toSec(), flowOf(*flow));
+                                  },
+                                  {false, [this] { return config_.usesBackwardFlow(); }, {}});
+  depth_std_input_ = &listen<Image>(
+      "depth/uncertainty", 5, [this](const sensor_msgs::ImageConstPtr& std) { waiting_.addDepthStd(std); },
+      {false, [this] { return config_.usesDepthUncertainty(); }, [this] { waiting_.clearDepthStds(); }});
 }
 
 void DynamicSegmentationNodelet::setUpOutputs() {
@@ -58,84 +65,9 @@ void DynamicSegmentationNodelet::setUpOutputs() {
   residual_publisher_ = handle.advertise<sensor_msgs::Image>("dynamic/residual", 3);
 }
 
-void DynamicSegmentationNodelet::connect() {
-  connected_since_ = ros::WallTime::now();
-  flow_subscriber_ =
-      listen<Flow>(*flow_input_, "flow", 3, [this](const FlowConstPtr& flow) { onFlow(flow); });
-  depth_subscriber_ =
-      listen<sensor_msgs::Image>(*depth_input_, "depth", 5, [this](const sensor_msgs::ImageConstPtr& depth) {
-        waiting_.addDepth(depth);
-        processQueue();
-      });
-  camera_subscriber_ = listenToCamera(*camera_input_, camera_);
-  twist_subscriber_ = listenToTwists(*twist_input_, *motion_);
-  waiting_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kWaitingPeriod),
-                                                   [this](const ros::WallTimerEvent&) { processQueue(); });
-  updateSubscriptions();
-}
-
-void DynamicSegmentationNodelet::disconnect() {
-  waiting_timer_.stop();
-  stop(*flow_input_, flow_subscriber_);
-  stop(*depth_input_, depth_subscriber_);
-  stop(*camera_input_, camera_subscriber_);
-  stop(*twist_input_, twist_subscriber_);
-  updateSubscriptions();
-  clearHistory();
-}
-
 void DynamicSegmentationNodelet::apply(const DynamicSegmentationConfig& config) {
   pipeline_.configure(config);
   config_ = config;
-  updateSubscriptions();
-}
-
-void DynamicSegmentationNodelet::updateSubscriptions() {
-  updateRadarSubscription(*static_input_, static_subscriber_, "radar/static", *static_returns_,
-                          config_.motion.radar.static_gain);
-  updateRadarSubscription(*dynamic_input_, dynamic_subscriber_, "radar/dynamic", *dynamic_returns_,
-                          config_.motion.radar.dynamic_gain);
-  updateBackwardSubscription();
-  updateUncertaintySubscription();
-}
-
-void DynamicSegmentationNodelet::updateRadarSubscription(InputMonitor& input, ros::Subscriber& subscriber,
-                                                         const char* topic, RecentClouds& clouds,
-                                                         double gain) {
-  const bool listening = static_cast<bool>(subscriber);
-  const bool wanted = connected() && gain > 0.0;
-  if (wanted && !listening) {
-    subscriber = listenToClouds(input, topic, clouds);
-  } else if (!wanted && listening) {
-    stop(input, subscriber);
-    clouds.clear();
-  }
-}
-
-void DynamicSegmentationNodelet::updateBackwardSubscription() {
-  const bool listening = static_cast<bool>(backward_subscriber_);
-  const bool wanted = connected() && config_.usesBackwardFlow();
-  if (wanted && !listening) {
-    backward_subscriber_ =
-        listen<Flow>(*backward_input_, "flow/backward", 3, [this](const FlowConstPtr& flow) {
-          pipeline_.addBackward(flow->header.stamp.toSec(), flow->second_stamp.toSec(), flowOf(*flow));
-        });
-  } else if (!wanted && listening) {
-    stop(*backward_input_, backward_subscriber_);
-  }
-}
-
-void DynamicSegmentationNodelet::updateUncertaintySubscription() {
-  const bool listening = static_cast<bool>(depth_std_subscriber_);
-  const bool wanted = connected() && config_.usesDepthUncertainty();
-  if (wanted && !listening) {
-    depth_std_subscriber_ = listen<sensor_msgs::Image>(
-        *depth_std_input_, "depth/uncertainty", 5,
-        [this](const sensor_msgs::ImageConstPtr& std) { waiting_.addDepthStd(std); });
-  } else if (!wanted && listening) {
-    stop(*depth_std_input_, depth_std_subscriber_);
-    waiting_.clearDepthStds();
-  }
 }
 
 void DynamicSegmentationNodelet::clearHistory() {
@@ -146,7 +78,7 @@ void DynamicSegmentationNodelet::clearHistory() {
   dynamic_returns_->clear();
 }
 
-bool DynamicSegmentationNodelet::wanted() const {
+bool DynamicSegmentationNodelet::hasAudience() const {
   return mask_publisher_.getNumSubscribers() + valid_publisher_.getNumSubscribers() +
              score_publisher_.getNumSubscribers() + expected_flow_publisher_.getNumSubscribers() +
              residual_publisher_.getNumSubscribers() + refined_publisher_.getNumSubscribers() >
@@ -276,7 +208,7 @@ void DynamicSegmentationNodelet::segment(const Inputs& inputs) {
   threshold_ = result.threshold;
   ++masks_;
   ++masks_since_report_;
-  last_mask_ = ros::WallTime::now();
+  noteOutput();
   if (config_.usesNextDepth() && !inputs.messages.next_depth) ++without_next_depth_since_report_;
   if (config_.usesDepthUncertainty() && !inputs.messages.depth_std) ++without_depth_std_since_report_;
   if (inputs.without_rotation) {

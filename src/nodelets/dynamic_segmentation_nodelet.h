@@ -22,7 +22,7 @@ namespace radar_dot {
 /// A flow waits for the depth at the stamps of its two images, and for the rotation between them; messages
 /// belong together where their stamps are equal. The mask lies on the first image of the flow and carries its
 /// stamp: the earlier image where flow runs forward (as in the paper), the later one where it runs backward.
-class DynamicSegmentationNodelet : public StreamNodelet {
+class DynamicSegmentationNodelet : public ConfiguredNodelet<DynamicSegmentationConfig> {
  private:
   /// Everything that goes with one flow; the messages own the pixels.
   struct Inputs {
@@ -31,17 +31,12 @@ class DynamicSegmentationNodelet : public StreamNodelet {
     bool without_rotation = false;  // of the source; the twists' own instead
   };
 
-  void onInit() override;
-  void connect();
-  void disconnect();
-  /// Of the inputs that only some configurations need.
-  void updateSubscriptions();
-  void updateRadarSubscription(InputMonitor& input, ros::Subscriber& subscriber, const char* topic,
-                               RecentClouds& clouds, double gain);
-  void updateBackwardSubscription();
-  void updateUncertaintySubscription();
+  void setUp() override;
+  void setUpInputs();
   void setUpOutputs();
-  void apply(const DynamicSegmentationConfig& config);
+  bool hasAudience() const override;
+  void apply(const DynamicSegmentationConfig& config) override;
+  void tick() override { processQueue(); }
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
@@ -54,26 +49,19 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   void addRadarPoints(Inputs& inputs);
   void segment(const Inputs& inputs);
   void publish(const Inputs& inputs, const MaskOutcome& outcome);
-  bool wanted() const;
   void drop(const std::string& reason);
 
-  DynamicSegmentationConfig config_;  // in force
   MaskPipeline pipeline_;
-  std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> static_returns_, dynamic_returns_;
   WaitingPairs waiting_;
   sensor_msgs::CameraInfoConstPtr camera_;
 
   InputMonitor *flow_input_ = nullptr, *depth_input_ = nullptr, *camera_input_ = nullptr,
-               *twist_input_ = nullptr, *static_input_ = nullptr, *dynamic_input_ = nullptr,
-               *backward_input_ = nullptr, *depth_std_input_ = nullptr;
-  ros::Subscriber flow_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_,
-      static_subscriber_, dynamic_subscriber_, backward_subscriber_, depth_std_subscriber_;
+               *twist_input_ = nullptr, *backward_input_ = nullptr, *depth_std_input_ = nullptr;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Publisher mask_publisher_, valid_publisher_;
   ros::Publisher score_publisher_, expected_flow_publisher_, residual_publisher_, refined_publisher_;
-  ros::WallTimer waiting_timer_;
 
   // Of the latest mask.
   double computation_time_ = 0.0, latency_ = 0.0, valid_share_ = 0.0, mask_share_ = 0.0;
@@ -82,7 +70,6 @@ class DynamicSegmentationNodelet : public StreamNodelet {
   std::size_t masks_since_report_ = 0, dropped_since_report_ = 0, without_rotation_since_report_ = 0,
               without_next_depth_since_report_ = 0, without_past_since_report_ = 0,
               without_depth_std_since_report_ = 0;
-  ros::WallTime last_mask_, connected_since_;
   std::string drop_reason_;
 };
 

@@ -49,24 +49,21 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MaskOutcome
     refined_publisher_.publish(refinedTwist(inputs.pair, input, refined));
   }
   const bool wants_residual = residual_publisher_.getNumSubscribers() > 0;
-  if (!wants_residual && expected_flow_publisher_.getNumSubscribers() == 0) return;
+  const bool wants_expected = expected_flow_publisher_.getNumSubscribers() > 0;
+  if (!wants_residual && !wants_expected) return;
   const cv::Mat expected = expectedFlow(input.camera, input.T_current_from_previous, input.depth);
-  expected_flow_publisher_.publish(imageMessage(header, "32FC2", expected));
+  if (wants_expected) expected_flow_publisher_.publish(imageMessage(header, "32FC2", expected));
   if (wants_residual)
     residual_publisher_.publish(imageMessage(header, "32FC1", residualOf(input.flow, expected)));
 }
 
 void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const ros::WallTime now = ros::WallTime::now();
-  const double without_mask = std::min((now - last_mask_).toSec(), (now - connected_since_).toSec());
-  if (!connected()) {
-    status.summary(DiagnosticStatus::OK, "idle: no subscribers");
-  } else if (dropped_since_report_ > 0) {
+  if (dropped_since_report_ > 0) {
     status.summaryf(masks_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
                     "%zu flows without a mask: %s", dropped_since_report_, drop_reason_.c_str());
-  } else if (without_mask > silentAfter()) {
-    status.summaryf(DiagnosticStatus::ERROR, "no mask for %.1f s", without_mask);
+  } else if (withoutOutput() > silentAfter()) {
+    status.summaryf(DiagnosticStatus::ERROR, "no mask for %.1f s", withoutOutput());
   } else if (masks_since_report_ > 0 && valid_share_ == 0.0) {
     status.summary(DiagnosticStatus::WARN, "no pixel has both depth and flow");
   } else {

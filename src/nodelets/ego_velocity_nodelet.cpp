@@ -32,75 +32,67 @@ constexpr double kMaxShareNotFinite = 0.5;
 
 }  // namespace
 
-void EgoVelocityNodelet::onInit() {
+void EgoVelocityNodelet::setUp() {
   ros::NodeHandle& handle = getNodeHandle();
-  const GivenConfig<EgoVelocityConfig> given = readConfig<EgoVelocityConfig>(getPrivateNodeHandle());
-  config_ = given.config;
-
-  extrinsics_ = std::make_unique<Extrinsics>(config_.base_frame, handle);
-  expectation_.rate = config_.expected_rate;
-  expectation_.rate_tolerance = config_.rate_tolerance;
-  expectation_.max_age = config_.max_age;
-  // Slower radars than usual are waited for accordingly.
-  expectation_.silent_after = std::max(config_.sweep.silent_after, 3.0 / expectation_.rate);
-  estimator_monitor_ = std::make_unique<EstimatorMonitor>(expectation_);
+  StreamExpectation images;
+  images.rate = 0.0;  // cameras have all rates
+  images.silent_after = 2.0;
+  describe("configuration", config_.base_frame, images);
+  radar_expectation_ = expectationOf(config_.rate, config_.sweep.silent_after);
+  estimator_monitor_ = std::make_unique<EstimatorMonitor>(radar_expectation_);
+  addDiagnostic("estimator", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
+    estimator_monitor_->report(ros::Time::now(), status);
+    mask_->report(status);
+  });
+  setUpMasks();
+  setUpRadars();
 
   twist_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
   raw_twist_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist_raw", 10);
   status_publisher_ = handle.advertise<EgoStatus>("ego/status", 10);
   static_publisher_ = handle.advertise<sensor_msgs::PointCloud2>("radar/static", 20);
   dynamic_publisher_ = handle.advertise<sensor_msgs::PointCloud2>("radar/dynamic", 20);
+}
 
-  mask_ = std::make_unique<MaskInput>(handle, *extrinsics_, [this](const std::string& text) {
-    if (throttle_.allow("mask", text)) NODELET_WARN("%s: %s", getName().c_str(), text.c_str());
-  });
-  setUpRadars(config_.radars);
-  server_ = std::make_unique<ReconfigureServer<EgoVelocityConfig>>(
-      getPrivateNodeHandle(), given, [this](const EgoVelocityConfig& config) { apply(config); });
+void EgoVelocityNodelet::started() {
   if (const std::string reason = disabledBy(); !reason.empty())
     NODELET_ERROR("%s: %s", getName().c_str(), reason.c_str());
-  setUpDiagnostics();
-  subscribe();
-  silence_timer_ = handle.createWallTimer(
+  silence_timer_ = getNodeHandle().createWallTimer(
       ros::WallDuration(kStartTimeout), [this](const ros::WallTimerEvent&) { warnOfSilentRadars(); }, true);
 }
 
-void EgoVelocityNodelet::subscribe() {
-  for (std::size_t i = 0; i < radars_.size(); ++i) {
-    radars_[i]->subscriber = getNodeHandle().subscribe<sensor_msgs::PointCloud2>(
-        radars_[i]->entry.topic, static_cast<std::uint32_t>(config_.queue_size),
-        [this, i](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(i, cloud); });
-  }
+void EgoVelocityNodelet::setUpMasks() {
+  const InputOptions options = {true, [this] { return config_.use_mask; }, [this] { mask_->forget(); }};
+  InputMonitor& masks = listen<sensor_msgs::Image>(
+      "dynamic/mask", 2, [this](const sensor_msgs::ImageConstPtr& mask) { mask_->setMask(mask); }, options);
+  InputMonitor& cameras = listen<sensor_msgs::CameraInfo>(
+      "camera_info", 2, [this](const sensor_msgs::CameraInfoConstPtr& camera) { mask_->setCamera(camera); },
+      options, Stamps::kAny);
+  mask_ = std::make_unique<MaskInput>(*extrinsics_, masks, cameras);
 }
 
 void EgoVelocityNodelet::warnOfSilentRadars() {
   for (const std::unique_ptr<Radar>& radar : radars_) {
-    if (radar->received) continue;
+    if (radar->monitor.heard()) continue;
     NODELET_WARN("%s: nothing on '%s' yet (%u publishers)", getName().c_str(), radar->entry.topic.c_str(),
-                 radar->subscriber.getNumPublishers());
+                 radar->monitor.publishers());
   }
 }
 
-void EgoVelocityNodelet::setUpRadars(const std::map<std::string, RadarEntry>& entries) {
-  const std::string place = getPrivateNodeHandle().resolveName(fieldsOf(config_).dictionaries().front().name);
-  for (const auto& [name, entry] : entries) {
-    RadarEntry resolved = entry;
-    const std::string defect = topicDefect(getNodeHandle(), entry.topic);
-    if (!defect.empty()) {
-      const std::string problem = place + "/" + name + "/" + nameOf(entry, entry.topic) + " is '" +
-                                  entry.topic + "': " + defect + "; " + name + " is left out";
-      NODELET_ERROR("%s", problem.c_str());
-      configuration_error_ += (configuration_error_.empty() ? "" : "; ") + problem;
-      continue;
-    }
-    resolved.topic = getNodeHandle().resolveName(entry.topic);
-    radars_.push_back(std::make_unique<Radar>(name, std::move(resolved), expectation_, config_.sweep.window));
+void EgoVelocityNodelet::setUpRadars() {
+  const std::string parameter = fieldsOf(config_).dictionaries().front().name;
+  for (const auto& [name, entry] : config_.radars) {
+    if (!isTopic(entry.topic, parameter + "/" + name + "/" + nameOf(entry, entry.topic))) continue;
+    RadarMonitor* monitor = listenAs<sensor_msgs::PointCloud2>(
+        "radar " + name, std::make_unique<RadarMonitor>(name, radar_expectation_, config_.sweep.window),
+        entry.topic, static_cast<std::uint32_t>(config_.queue_size),
+        [this, i = radars_.size()](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(i, cloud); });
+    radars_.push_back(std::make_unique<Radar>(Radar{name, entry, *monitor, DopplerExtractor()}));
+    radars_.back()->entry.topic = getNodeHandle().resolveName(entry.topic);
   }
   if (radars_.empty()) {
-    const std::string problem =
-        "no radars: set " + place + " to a dictionary, e.g. {radar_front: {topic: /radar_front}}";
-    NODELET_FATAL("%s", problem.c_str());
-    configuration_error_ += (configuration_error_.empty() ? "" : "; ") + problem;
+    reportProblem("no radars: set " + getPrivateNodeHandle().resolveName(parameter) +
+                  " to a dictionary, e.g. {radar_front: {topic: /radar_front}}");
   }
   assembler_.emplace(radars_.size(), config_.sweep);
 }
@@ -129,112 +121,41 @@ void EgoVelocityNodelet::apply(const EgoVelocityConfig& config) {
   config_ = config;
 }
 
-void EgoVelocityNodelet::setUpDiagnostics() {
-  diagnostics_ =
-      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
-  diagnostics_->setHardwareID(extrinsics_->baseFrame());
-  diagnostics_->add("configuration", this, &EgoVelocityNodelet::reportConfiguration);
-  diagnostics_->add("estimator", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
-    estimator_monitor_->report(ros::Time::now(), status);
-    mask_->report(status);
-  });
-  for (InputMonitor* monitor : {&mask_->maskMonitor(), &mask_->cameraMonitor()}) {
-    diagnostics_->add("input " + monitor->name(),
-                      [monitor](diagnostic_updater::DiagnosticStatusWrapper& status) {
-                        monitor->report(ros::Time::now(), status);
-                      });
-  }
-  for (const std::unique_ptr<Radar>& radar : radars_) {
-    diagnostics_->add("radar " + radar->name,
-                      [monitor = &radar->monitor](diagnostic_updater::DiagnosticStatusWrapper& status) {
-                        monitor->report(ros::Time::now(), status);
-                      });
-  }
-  // Wall time: the updater's own timing stops when a bag starts again.
-  diagnostics_timer_ = getNodeHandle().createWallTimer(
-      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
-}
-
-void EgoVelocityNodelet::reportConfiguration(diagnostic_updater::DiagnosticStatusWrapper& status) {
+void EgoVelocityNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   status.summaryf(DiagnosticStatus::OK, "%zu radars", radars_.size());
-  if (!server_->refusal().empty())
-    status.mergeSummary(DiagnosticStatus::WARN, "rejected: " + server_->refusal());
-  for (const std::string& error : {configuration_error_, server_->error()})
-    if (!error.empty()) status.mergeSummary(DiagnosticStatus::ERROR, error);
   if (const std::string reason = disabledBy(); !reason.empty())
     status.mergeSummary(DiagnosticStatus::ERROR, reason);
 }
 
-void EgoVelocityNodelet::refuse(Radar& radar, const std::string& cause) {
-  radar.monitor.refuse(cause);
-  if (throttle_.allow(radar.name, cause)) {
-    NODELET_WARN("%s: cloud on '%s' refused: %s", getName().c_str(), radar.entry.topic.c_str(),
-                 cause.c_str());
-  }
-}
-
-std::shared_ptr<const RadarReading> EgoVelocityNodelet::read(Radar& radar,
-                                                             const sensor_msgs::PointCloud2ConstPtr& cloud) {
-  checkHeader(cloud->header, ros::Time::now());
+void EgoVelocityNodelet::onCloud(std::size_t index, const sensor_msgs::PointCloud2ConstPtr& cloud) {
+  Radar& radar = *radars_[index];
+  if (!disabledBy().empty()) return;
   auto reading = std::make_shared<RadarReading>();
   reading->cloud = cloud;
   reading->view = viewOf(*cloud, reading->fields);
   if (reading->view.size() > 0) reading->counts = radar.extractor.extract(reading->view, reading->returns);
-  return reading;
-}
-
-void EgoVelocityNodelet::onCloud(std::size_t index, const sensor_msgs::PointCloud2ConstPtr& cloud) {
-  radars_[index]->received = true;
-  try {
-    addScan(index, cloud);
-  } catch (const std::exception& error) {
-    // Whatever the data are: they must not end the process that we share with others.
-    refuse(*radars_[index], error.what());
-  }
-}
-
-void EgoVelocityNodelet::addScan(std::size_t index, const sensor_msgs::PointCloud2ConstPtr& cloud) {
-  Radar& radar = *radars_[index];
-  if (!disabledBy().empty()) return;
-  if (clock_.wentBack(ros::Time::now())) clearHistory(cloud->header.stamp);
-  const std::shared_ptr<const RadarReading> reading = read(radar, cloud);
-  switch (radar.stamps.check(cloud->header.stamp)) {
-    case StampGuard::Verdict::kGood: break;
-    case StampGuard::Verdict::kStale:
-      throw std::invalid_argument("stamp not newer than the previous cloud's");
-    case StampGuard::Verdict::kRestart:
-      clearHistory(cloud->header.stamp);
-      radar.stamps.check(cloud->header.stamp);
-      break;
-  }
 
   const ExtractionCounts& counts = reading->counts;
   // One point of NaN is how some radars say "nothing seen".
   if (counts.total > 1 &&
-      static_cast<double>(counts.not_finite) > kMaxShareNotFinite * static_cast<double>(counts.total) &&
-      throttle_.allow(radar.name, "not finite")) {
-    NODELET_WARN("%s: %zu of %zu returns on '%s' are not finite", getName().c_str(), counts.not_finite,
-                 counts.total, radar.entry.topic.c_str());
+      static_cast<double>(counts.not_finite) > kMaxShareNotFinite * static_cast<double>(counts.total)) {
+    warn(radar.name, std::to_string(counts.not_finite) + " of " + std::to_string(counts.total) +
+                         " returns on '" + radar.entry.topic + "' are not finite");
   }
 
-  // The guard let only later stamps through: the assembler neither rejects them nor resets.
+  // Only later stamps reach this: the assembler neither rejects them nor resets.
   assembler_->add({index, cloud->header.stamp.toSec(), reading}, completed_);
-  radar.monitor.scan(cloud->header.stamp, ros::Time::now(), cloud->header.frame_id, counts);
+  radar.monitor.scan(cloud->header.frame_id, counts);
   for (const Sweep& sweep : completed_) processSweep(sweep);
   completed_.clear();
 }
 
-void EgoVelocityNodelet::clearHistory(const ros::Time& stamp) {
-  NODELET_WARN("%s: time jumped back to %.3f s; resetting", getName().c_str(), stamp.toSec());
+void EgoVelocityNodelet::clearHistory() {
   assembler_->reset();
   estimator_.reset();
   mask_->forget();
   estimator_monitor_->reset();
-  for (const std::unique_ptr<Radar>& radar : radars_) {
-    radar->monitor.reset();
-    radar->stamps.reset();
-  }
 }
 
 std::optional<Eigen::Isometry3d> EgoVelocityNodelet::mountOf(Radar& radar, const std::string& frame,

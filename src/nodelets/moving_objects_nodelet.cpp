@@ -3,7 +3,7 @@
 #include "nodelets/moving_objects_nodelet.h"
 
 #include <algorithm>
-#include <limits>
+#include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
 #include <utility>
@@ -14,115 +14,70 @@
 namespace radar_dot {
 namespace {
 
-constexpr double kWaitingPeriod = 0.05;  // s, how often waiting scans and masks are looked at
-constexpr double kMaxSilence = 0.15;     // s of scans without a message
-constexpr double kStartTimeout = 1.0;    // s, until odometry and velocity are there at the start
+constexpr double kMaxSilence = 0.15;   // s of scans without a message
+constexpr double kStartTimeout = 1.0;  // s, until odometry and velocity are there at the start
 constexpr std::uint32_t kOdometryQueue = 20;
-// The camera's number among the radars of the tracker.
-constexpr std::size_t kMaskSource = std::numeric_limits<std::size_t>::max();
+constexpr std::uint32_t kCloudQueue = 50;
+constexpr std::uint32_t kImageQueue = 5;
 
 }  // namespace
 
-void MovingObjectsNodelet::onInit() {
-  const GivenConfig<MovingObjectsConfig> given = readConfig<MovingObjectsConfig>(getPrivateNodeHandle());
-  config_ = given.config;
-  setUp("objects", config_.stream);
-  ros::NodeHandle& handle = getNodeHandle();
-  extrinsics_ = std::make_unique<Extrinsics>(config_.stream.base_frame, handle);
+void MovingObjectsNodelet::setUp() {
+  describe("objects", config_.stream);
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [] {}, [](const std::string&) {}, true);
-  objects_publisher_ = handle.advertise<MovingObjects>("dynamic/objects", 10);
-  markers_publisher_ = handle.advertise<visualization_msgs::MarkerArray>("dynamic/markers", 10);
-  setUpInputs();
-  serve<MovingObjectsConfig>(given, [this](const MovingObjectsConfig& config) { apply(config); });
-  connectWhile(
-      [this] { return objects_publisher_.getNumSubscribers() + markers_publisher_.getNumSubscribers() > 0; },
-      [this] { connect(); }, [this] { disconnect(); });
-}
-
-void MovingObjectsNodelet::setUpInputs() {
-  static_input_ = &addInput("radar/static");
-  dynamic_input_ = &addInput("radar/dynamic");
-  twist_input_ = &addInput("ego/twist");
-  odometry_input_ = &addInput("odom");
-  mask_input_ = &addInput("dynamic/mask");
-  depth_input_ = &addInput("depth");
-  flow_input_ = &addInput("flow");
-  expected_flow_input_ = &addInput("dynamic/expected_flow");
-  camera_input_ = &addInput("camera_info");
-}
-
-void MovingObjectsNodelet::connect() {
-  constexpr std::uint32_t kCloudQueue = 50;
-  connected_since_ = ros::WallTime::now();
-  const auto listenToLabel = [this](InputMonitor& input, const std::string& topic, ReturnLabel label) {
-    return listenUnordered<sensor_msgs::PointCloud2>(
-        input, topic, kCloudQueue,
-        [this, label](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(*cloud, label); });
+  objects_publisher_ = getNodeHandle().advertise<MovingObjects>("dynamic/objects", 10);
+  markers_publisher_ = getNodeHandle().advertise<visualization_msgs::MarkerArray>("dynamic/markers", 10);
+  const auto listenToLabel = [this](const std::string& topic, ReturnLabel label) {
+    return &listen<sensor_msgs::PointCloud2>(
+        topic, kCloudQueue,
+        [this, label](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(*cloud, label); }, {},
+        Stamps::kUnordered);
   };
-  twist_subscriber_ = listenToTwists(*twist_input_, *motion_);
-  odometry_subscriber_ = listen<nav_msgs::Odometry>(
-      *odometry_input_, "odom", kOdometryQueue,
-      [this](const nav_msgs::OdometryConstPtr& odometry) { onOdometry(*odometry); });
-  static_subscriber_ = listenToLabel(*static_input_, "radar/static", ReturnLabel::kStatic);
-  dynamic_subscriber_ = listenToLabel(*dynamic_input_, "radar/dynamic", ReturnLabel::kDynamic);
-  waiting_timer_ =
-      getNodeHandle().createWallTimer(ros::WallDuration(kWaitingPeriod), [this](const ros::WallTimerEvent&) {
-        processQueue();
+  twist_input_ = &listenToTwists(*motion_);
+  odometry_input_ = &listen<nav_msgs::Odometry>(
+      "odom", kOdometryQueue, [this](const nav_msgs::OdometryConstPtr& odometry) { onOdometry(*odometry); });
+  static_input_ = listenToLabel("radar/static", ReturnLabel::kStatic);
+  dynamic_input_ = listenToLabel("radar/dynamic", ReturnLabel::kDynamic);
+  listenToMasks();
+}
+
+void MovingObjectsNodelet::listenToMasks() {
+  const InputOptions options = {true, [this] { return config_.use_mask; }, [this] { masks_.clear(); }};
+  const auto listenToImages = [this, options](
+                                  const std::string& topic,
+                                  const std::function<void(const sensor_msgs::ImageConstPtr&)>& add) {
+    return &listen<sensor_msgs::Image>(
+        topic, kImageQueue,
+        [this, add](const sensor_msgs::ImageConstPtr& image) {
+          add(image);
+          processMasks();
+        },
+        options);
+  };
+  camera_input_ = &listenToCamera(camera_, options);
+  listenToImages("depth", [this](const sensor_msgs::ImageConstPtr& image) { masks_.addDepth(image); });
+  listenToImages("dynamic/expected_flow",
+                 [this](const sensor_msgs::ImageConstPtr& image) { masks_.addExpectedFlow(image); });
+  listen<Flow>(
+      "flow", kImageQueue,
+      [this](const FlowConstPtr& flow) {
+        masks_.addFlow(flow);
         processMasks();
-      });
-  updateMaskSubscriptions();
-}
-
-void MovingObjectsNodelet::disconnect() {
-  waiting_timer_.stop();
-  stop(*static_input_, static_subscriber_);
-  stop(*dynamic_input_, dynamic_subscriber_);
-  stop(*twist_input_, twist_subscriber_);
-  stop(*odometry_input_, odometry_subscriber_);
-  updateMaskSubscriptions();
-  clearHistory();
-}
-
-void MovingObjectsNodelet::updateMaskSubscriptions() {
-  const bool listening = static_cast<bool>(mask_subscriber_);
-  const bool wanted = connected() && config_.use_mask;
-  if (wanted == listening) return;
-  if (!wanted) {
-    stop(*mask_input_, mask_subscriber_);
-    stop(*depth_input_, depth_subscriber_);
-    stop(*flow_input_, flow_subscriber_);
-    stop(*expected_flow_input_, expected_flow_subscriber_);
-    stop(*camera_input_, camera_subscriber_);
-    masks_.clear();
-    return;
-  }
-  const auto listenToImages = [this](InputMonitor& input, const std::string& topic,
-                                     const std::function<void(const sensor_msgs::ImageConstPtr&)>& add) {
-    return listen<sensor_msgs::Image>(input, topic, 5, [this, add](const sensor_msgs::ImageConstPtr& image) {
-      add(image);
-      processMasks();
-    });
-  };
-  camera_subscriber_ = listenToCamera(*camera_input_, camera_);
-  depth_subscriber_ = listenToImages(
-      *depth_input_, "depth", [this](const sensor_msgs::ImageConstPtr& image) { masks_.addDepth(image); });
-  expected_flow_subscriber_ =
-      listenToImages(*expected_flow_input_, "dynamic/expected_flow",
-                     [this](const sensor_msgs::ImageConstPtr& image) { masks_.addExpectedFlow(image); });
-  flow_subscriber_ = listen<Flow>(*flow_input_, "flow", 5, [this](const FlowConstPtr& flow) {
-    masks_.addFlow(flow);
-    processMasks();
+      },
+      options);
+  mask_input_ = listenToImages("dynamic/mask", [this](const sensor_msgs::ImageConstPtr& image) {
+    masks_.addMask(image, Moment::now());
   });
-  mask_subscriber_ = listenToImages(
-      *mask_input_, "dynamic/mask",
-      [this](const sensor_msgs::ImageConstPtr& image) { masks_.addMask(image, Moment::now()); });
+}
+
+bool MovingObjectsNodelet::hasAudience() const {
+  return objects_publisher_.getNumSubscribers() + markers_publisher_.getNumSubscribers() > 0;
 }
 
 void MovingObjectsNodelet::apply(const MovingObjectsConfig& config) {
   tracker_.configure(config.tracker);
   config_ = config;
-  updateMaskSubscriptions();
 }
 
 void MovingObjectsNodelet::clearHistory() {
@@ -279,7 +234,7 @@ bool MovingObjectsNodelet::useMask(const MaskMessages& messages, std::string& re
       time, {}, regionsOf(messages, *camera_, *T_base_from_camera, config_.regions), config_.detection);
   // Masks have more false regions than scans have false returns.
   for (ObjectDetection& detection : detections) detection.moving = config_.mask_starts_tracks;
-  if (tracker_.update(time, kMaskSource, detections, *pose)) return true;
+  if (tracker_.update(time, std::nullopt, detections, *pose)) return true;
   reason = std::string("it is older than the newest scan by more than ") +
            nameOf(config_, config_.tracker.max_lag);
   return false;
@@ -312,12 +267,10 @@ void MovingObjectsNodelet::publish(const ros::Time& stamp) {
 
 void MovingObjectsNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  if (!connected()) {
-    status.summary(DiagnosticStatus::OK, "idle: no subscribers");
-  } else if (dropped_since_report_ > 0) {
+  if (dropped_since_report_ > 0) {
     status.summaryf(scans_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
                     "%zu scans or masks left out: %s", dropped_since_report_, drop_reason_.c_str());
-  } else if (scans_since_report_ == 0 && (ros::WallTime::now() - connected_since_).toSec() > silentAfter()) {
+  } else if (scans_since_report_ == 0 && withoutOutput() > silentAfter()) {
     status.summary(DiagnosticStatus::ERROR, "no scan in the last second");
   } else {
     status.summaryf(DiagnosticStatus::OK, "%zu objects, %zu scans in the last second", objects_,

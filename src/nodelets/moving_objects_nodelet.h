@@ -26,14 +26,16 @@ namespace radar_dot {
 /// Takes the returns as EgoVelocity has labelled them, each scan at its own stamp, and the pose of the
 /// vehicle from the odometry. With use_mask the regions of dynamic/mask are a further sensor, at the stamp of
 /// the mask.
-class MovingObjectsNodelet : public StreamNodelet {
+class MovingObjectsNodelet : public ConfiguredNodelet<MovingObjectsConfig> {
  private:
-  void onInit() override;
-  void setUpInputs();
-  void connect();
-  void disconnect();
-  void updateMaskSubscriptions();
-  void apply(const MovingObjectsConfig& config);
+  void setUp() override;
+  void listenToMasks();
+  bool hasAudience() const override;
+  void apply(const MovingObjectsConfig& config) override;
+  void tick() override {
+    processQueue();
+    processMasks();
+  }
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
@@ -51,8 +53,6 @@ class MovingObjectsNodelet : public StreamNodelet {
   bool inBaseFrame() const noexcept { return config_.frame == ObjectFrame::kBase; }
   void drop(const std::string& reason);
 
-  MovingObjectsConfig config_;  // in force
-  std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   LabelledScans scans_;
   MaskMatcher masks_;
@@ -65,12 +65,8 @@ class MovingObjectsNodelet : public StreamNodelet {
   ObjectMarkers markers_;
 
   InputMonitor *static_input_ = nullptr, *dynamic_input_ = nullptr, *twist_input_ = nullptr,
-               *odometry_input_ = nullptr, *mask_input_ = nullptr, *depth_input_ = nullptr,
-               *flow_input_ = nullptr, *expected_flow_input_ = nullptr, *camera_input_ = nullptr;
-  ros::Subscriber static_subscriber_, dynamic_subscriber_, twist_subscriber_, odometry_subscriber_,
-      mask_subscriber_, depth_subscriber_, flow_subscriber_, expected_flow_subscriber_, camera_subscriber_;
+               *odometry_input_ = nullptr, *mask_input_ = nullptr, *camera_input_ = nullptr;
   ros::Publisher objects_publisher_, markers_publisher_;
-  ros::WallTimer waiting_timer_;
 
   // For the diagnostic.
   double computation_time_ = 0.0, latency_ = 0.0;
@@ -78,7 +74,7 @@ class MovingObjectsNodelet : public StreamNodelet {
   std::size_t scans_since_report_ = 0, masks_since_report_ = 0, dropped_since_report_ = 0,
               incomplete_since_report_ = 0;
   std::string drop_reason_;
-  ros::WallTime connected_since_, first_scan_;
+  ros::WallTime first_scan_;
 };
 
 }  // namespace radar_dot

@@ -16,22 +16,20 @@ namespace radar_dot {
 namespace {
 
 constexpr std::size_t kMaxPending = 50;  // twists waiting for a rotation
-constexpr double kPendingPeriod = 0.05;  // s, how often waiting twists are looked at
 constexpr std::array<const char*, 6> kComponents = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
 }  // namespace
 
-void OdometryNodelet::onInit() {
+void OdometryNodelet::setUp() {
   ros::NodeHandle& handle = getNodeHandle();
-  const GivenConfig<OdometryConfig> given = readConfig<OdometryConfig>(getPrivateNodeHandle());
-  config_ = given.config;
-  extrinsics_ = std::make_unique<Extrinsics>(config_.base_frame, handle);
-  StreamExpectation expectation;
-  expectation.rate = config_.expected_rate;
-  expectation.rate_tolerance = config_.rate_tolerance;
-  expectation.max_age = config_.max_age;
-  expectation.silent_after = std::max(expectation.silent_after, 3.0 / expectation.rate);
-  twist_monitor_ = std::make_unique<StreamMonitor>(expectation);
+  describe("odometry", config_.base_frame, expectationOf(config_.rate, StreamExpectation().silent_after));
+  addDiagnostic("rotation",
+                [this](diagnostic_updater::DiagnosticStatusWrapper& status) { reportRotation(status); });
+  twist_input_ = listenAs<geometry_msgs::TwistWithCovarianceStamped>(
+      "input ego/twist", std::make_unique<InputMonitor>("ego/twist", expectation(), true, "twist"),
+      "ego/twist", 20,
+      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { onTwist(twist); });
+  setUpRotationSource();
 
   odometry_publisher_ = handle.advertise<nav_msgs::Odometry>("odom", 10);
   // Who joins late gets the path so far; it is sent again when it grows.
@@ -42,14 +40,6 @@ void OdometryNodelet::onInit() {
   path_.header.frame_id = config_.rotation.odom_frame;
   broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
   static_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
-
-  server_ = std::make_unique<ReconfigureServer<OdometryConfig>>(
-      getPrivateNodeHandle(), given, [this](const OdometryConfig& config) { config_ = config; });
-  setUpRotationSource();
-  setUpDiagnostics();
-  twist_subscriber_ = handle.subscribe<geometry_msgs::TwistWithCovarianceStamped>(
-      "ego/twist", 20,
-      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { onTwist(twist); });
 }
 
 void OdometryNodelet::setUpRotationSource() {
@@ -60,59 +50,32 @@ void OdometryNodelet::setUpRotationSource() {
   };
   callbacks.arrival = [this] { checkClock(); };
   callbacks.restarted = [this] { R_odom_from_source_.reset(); };
-  callbacks.warn = [this](const std::string& text) { warn(text); };
+  callbacks.warn = [this](const std::string& text) { warn({}, text); };
   try {
     rotation_source_ =
         makeRotationSource(config_.rotation, getNodeHandle(), *extrinsics_, std::move(callbacks));
   } catch (const std::invalid_argument& error) {
-    configuration_error_ = std::string(error.what()) + "; using the yaw rate of the radars";
-    NODELET_ERROR("%s: %s", getName().c_str(), configuration_error_.c_str());
+    reportProblem(std::string(error.what()) + "; using the yaw rate of the radars");
   }
   start_at_source_ = config_.start_at_source && rotation_source_ && rotation_source_->hasPosition();
   if (config_.start_at_source && !start_at_source_) {
-    const std::string problem = std::string(nameOf(config_, config_.start_at_source)) + " needs a " +
-                                nameOf(config_, config_.rotation.source) +
-                                " with a position (odometry, tf); starting at the origin";
-    NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
-    configuration_error_ += (configuration_error_.empty() ? "" : "; ") + problem;
+    reportProblem(std::string(nameOf(config_, config_.start_at_source)) + " needs a " +
+                  nameOf(config_, config_.rotation.source) +
+                  " with a position (odometry, tf); starting at the origin");
   }
-  if (rotation_source_) {
-    rotation_source_->start();
-    pending_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kPendingPeriod),
-                                                     [this](const ros::WallTimerEvent&) {
-                                                       try {
-                                                         processQueue();
-                                                       } catch (const std::exception& error) {
-                                                         warn(std::string("twist left out: ") + error.what());
-                                                       }
-                                                     });
-  }
-}
-
-void OdometryNodelet::setUpDiagnostics() {
-  diagnostics_ =
-      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
-  diagnostics_->setHardwareID(extrinsics_->baseFrame());
-  diagnostics_->add("odometry", this, &OdometryNodelet::report);
-  diagnostics_->add("rotation", this, &OdometryNodelet::reportRotation);
-  diagnostics_timer_ = getNodeHandle().createWallTimer(
-      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+  if (rotation_source_) rotation_source_->start();
 }
 
 void OdometryNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  twist_monitor_->report(ros::Time::now(), status);
+  twist_input_->stream().report(ros::Time::now(), status);
   if (!unobserved_.empty()) {
     status.mergeSummary(DiagnosticStatus::WARN, "not observed, least sideslip assumed: " + unobserved_);
   }
-  if (!server_->refusal().empty())
-    status.mergeSummary(DiagnosticStatus::WARN, "rejected: " + server_->refusal());
-  for (const std::string& error : {configuration_error_, server_->error()})
-    if (!error.empty()) status.mergeSummary(DiagnosticStatus::ERROR, error);
-  status.add("twist topic", twist_subscriber_.getTopic());
+  status.add("twist topic", twist_input_->topic());
   status.addf("distance (m)", "%.2f", distance_before_gap_ + integrator_.state().distance);
   status.addf("gaps", "%zu", gaps_);
-  status.addf("twists refused", "%zu", refused_);
+  status.addf("twists refused", "%zu", twist_input_->refusedInAll());
 }
 
 void OdometryNodelet::reportRotation(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -135,20 +98,8 @@ void OdometryNodelet::reportRotation(diagnostic_updater::DiagnosticStatusWrapper
   without_rotation_ = 0;
 }
 
-void OdometryNodelet::warn(const std::string& text) {
-  if (throttle_.allow({}, text)) NODELET_WARN("%s: %s", getName().c_str(), text.c_str());
-}
-
-void OdometryNodelet::checkClock() {
-  const ros::Time now = ros::Time::now();
-  if (!clock_.wentBack(now)) return;
-  NODELET_WARN("%s: time jumped back to %.3f s; resetting", getName().c_str(), now.toSec());
-  clearHistory();
-}
-
 void OdometryNodelet::clearHistory() {
   pending_.clear();
-  twist_stamps_.reset();
   integrator_.reset();
   started_ = false;
   R_odom_from_source_.reset();
@@ -156,40 +107,12 @@ void OdometryNodelet::clearHistory() {
   covariance_before_gap_.setZero();
   path_.poses.clear();
   if (path_publisher_.getNumSubscribers() > 0) path_publisher_.publish(path_);
-  twist_monitor_->reset();
   if (rotation_source_) rotation_source_->reset();
 }
 
-std::string OdometryNodelet::defectOf(const geometry_msgs::TwistWithCovarianceStamped& twist) const {
-  const std::string defect = stampDefect(twist.header.stamp, ros::Time::now());
-  return defect.empty() ? twistDefect(twist, extrinsics_->baseFrame()) : defect;
-}
-
 void OdometryNodelet::onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) {
-  try {
-    takeTwist(twist);
-  } catch (const std::exception& error) {
-    ++refused_;
-    warn("twist on '" + twist_subscriber_.getTopic() + "' refused: " + error.what());
-  }
-}
-
-void OdometryNodelet::takeTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) {
-  checkClock();
-  const std::string defect = defectOf(*twist);
+  const std::string defect = twistDefect(*twist, extrinsics_->baseFrame());
   if (!defect.empty()) throw std::invalid_argument(defect);
-  switch (twist_stamps_.check(twist->header.stamp)) {
-    case StampGuard::Verdict::kGood: break;
-    case StampGuard::Verdict::kStale:
-      throw std::invalid_argument("stamp not newer than the previous twist's");
-    case StampGuard::Verdict::kRestart:
-      NODELET_WARN("%s: the stamps of the twists jumped back to %.3f s; resetting", getName().c_str(),
-                   twist->header.stamp.toSec());
-      clearHistory();
-      twist_stamps_.check(twist->header.stamp);
-      break;
-  }
-  twist_monitor_->tick(twist->header.stamp, ros::Time::now());
   pending_.push_back({twist, Moment::now()});
   processQueue();
 }
@@ -206,7 +129,7 @@ void OdometryNodelet::processQueue() {
         return;
       if (!pose) {
         ++without_rotation_;
-        warn("no rotation at the stamp of a twist from " + rotation_source_->describe());
+        warn({}, "no rotation at the stamp of a twist from " + rotation_source_->describe());
       }
     }
     pending_.pop_front();
@@ -265,7 +188,8 @@ StampedTwist OdometryNodelet::usableTwist(const geometry_msgs::TwistWithCovarian
     if (twist.observes(i) || (i == 5 && rotation_known)) continue;
     unobserved_ += (unobserved_.empty() ? "" : ", ") + std::string(kComponents[static_cast<std::size_t>(i)]);
   }
-  if (!unobserved_.empty()) warn("the twist does not observe " + unobserved_ + ": least sideslip assumed");
+  if (!unobserved_.empty())
+    warn({}, "the twist does not observe " + unobserved_ + ": least sideslip assumed");
   return onWheels(twist);
 }
 
@@ -283,7 +207,7 @@ void OdometryNodelet::bridgeGap(double gap, double speed) {
 void OdometryNodelet::integrate(const geometry_msgs::TwistWithCovarianceStamped& twist,
                                 const std::optional<StampedPose>& pose) {
   if (!started_ && !start(pose)) {
-    warn("waiting for a first pose from " + rotation_source_->describe());
+    warn({}, "waiting for a first pose from " + rotation_source_->describe());
     return;
   }
   const std::optional<Eigen::Quaterniond> rotation = rotationFrom(pose);

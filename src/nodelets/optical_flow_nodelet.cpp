@@ -37,31 +37,32 @@ std::unique_ptr<OpticalFlow> flowOf(const OpticalFlowParams& params) {
 
 }  // namespace
 
-void OpticalFlowNodelet::onInit() {
-  const GivenConfig<OpticalFlowConfig> given = readConfig<OpticalFlowConfig>(getPrivateNodeHandle());
-  config_ = given.config;
-  setUp("flow", config_.stream);
+void OpticalFlowNodelet::setUp() {
+  describe("flow", config_.stream);
   ros::NodeHandle& handle = getNodeHandle();
-  extrinsics_ = std::make_unique<Extrinsics>(config_.stream.base_frame, handle);
   // Without a source of rotation: its latest sample comes later than the image, and flow would wait for it.
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [this] { scheduleQueue(kNext); },
       [this](const std::string& text) { warn("rotation", text); }, true);
-  image_ = &addInput("image");
-  depth_input_ = &addInput("depth");
-  camera_input_ = &addInput("camera_info");
-  twist_input_ = &addInput("ego/twist");
+  image_ = &listenToImages(kImageQueue, [this](LazyImage picture) { onImage(std::move(picture)); });
+  const auto wanted = [this] { return config_.flow.initialisation == FlowStart::kExpected; };
+  depth_input_ = &listen<sensor_msgs::Image>("depth", kDepthQueue,
+                                             [this](const sensor_msgs::ImageConstPtr& depth) {
+                                               depths_.add(depth);
+                                               scheduleQueue(kNext);
+                                             },
+                                             {true, wanted, [this] { depths_.clear(); }});
+  camera_input_ = &listenToCamera(camera_, {true, wanted, {}});
+  listenToTwists(*motion_, {true, wanted, [this] { motion_->forget(); }});
   publisher_ = handle.advertise<Flow>("flow", 3);
   backward_publisher_ = handle.advertise<Flow>("flow/backward", 3);
-
-  checkTransport();
   compute_timer_ = handle.createWallTimer(
       ros::WallDuration(kNext),
       [this](const ros::WallTimerEvent&) { guard(*image_, [this] { processQueue(); }); }, true, false);
-  serve<OpticalFlowConfig>(given, [this](const OpticalFlowConfig& config) { apply(config); });
-  connectWhile(
-      [this] { return publisher_.getNumSubscribers() + backward_publisher_.getNumSubscribers() > 0; },
-      [this] { connect(); }, [this] { disconnect(); });
+}
+
+bool OpticalFlowNodelet::hasAudience() const {
+  return publisher_.getNumSubscribers() + backward_publisher_.getNumSubscribers() > 0;
 }
 
 void OpticalFlowNodelet::apply(const OpticalFlowConfig& config) {
@@ -70,45 +71,6 @@ void OpticalFlowNodelet::apply(const OpticalFlowConfig& config) {
   // The order of its images is that of the former direction.
   if (config_.direction != config.direction) waiting_.reset();
   config_ = config;
-  updateInitialFlowSubscriptions();
-}
-
-void OpticalFlowNodelet::updateInitialFlowSubscriptions() {
-  const bool listening = static_cast<bool>(depth_subscriber_);
-  const bool wanted = connected() && config_.flow.initialisation == FlowStart::kExpected;
-  if (wanted && !listening) listenForExpectedFlow();
-  if (!wanted && listening) stopListeningForExpectedFlow();
-}
-
-void OpticalFlowNodelet::connect() {
-  last_flow_ = ros::WallTime::now();
-  image_subscriber_ =
-      listenToImages(*image_, kImageQueue, [this](LazyImage picture) { onImage(std::move(picture)); });
-  updateInitialFlowSubscriptions();
-}
-
-void OpticalFlowNodelet::disconnect() {
-  stop(*image_, image_subscriber_);
-  updateInitialFlowSubscriptions();
-  clearHistory();
-}
-
-void OpticalFlowNodelet::listenForExpectedFlow() {
-  depth_subscriber_ = listen<sensor_msgs::Image>(*depth_input_, "depth", kDepthQueue,
-                                                 [this](const sensor_msgs::ImageConstPtr& depth) {
-                                                   depths_.add(depth);
-                                                   scheduleQueue(kNext);
-                                                 });
-  camera_subscriber_ = listenToCamera(*camera_input_, camera_);
-  twist_subscriber_ = listenToTwists(*twist_input_, *motion_);
-}
-
-void OpticalFlowNodelet::stopListeningForExpectedFlow() {
-  stop(*depth_input_, depth_subscriber_);
-  stop(*camera_input_, camera_subscriber_);
-  stop(*twist_input_, twist_subscriber_);
-  depths_.clear();
-  motion_->forget();
 }
 
 void OpticalFlowNodelet::clearHistory() {
@@ -211,7 +173,7 @@ void OpticalFlowNodelet::processQueue() {
 }
 
 void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
-  if (!flow_) throw std::invalid_argument("no optical flow: " + configurationError());
+  if (!flow_) throw std::invalid_argument("no optical flow: " + server_->error());
   const ros::WallTime start = ros::WallTime::now();
   const cv::Mat& first = pair.first->pixels();
   const std_msgs::Header& first_header = pair.first->header();
@@ -227,16 +189,13 @@ void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
   latency_ =
       ros::Time::now().toSec() - std::max(pair.first->header().stamp, pair.second->header().stamp).toSec();
   ++computed_;
-  last_flow_ = ros::WallTime::now();
+  noteOutput();
 }
 
 void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  const double without_flow = (ros::WallTime::now() - last_flow_).toSec();
-  if (!connected()) {
-    status.summary(DiagnosticStatus::OK, "idle: no subscribers");
-  } else if (without_flow > silentAfter() + config_.pair_interval) {
-    status.summaryf(DiagnosticStatus::ERROR, "no flow for %.1f s", without_flow);
+  if (withoutOutput() > silentAfter() + config_.pair_interval) {
+    status.summaryf(DiagnosticStatus::ERROR, "no flow for %.1f s", withoutOutput());
     if (interval_ > config_.max_pair_gap) {
       status.mergeSummaryf(DiagnosticStatus::ERROR, "images are %.2f s apart, more than %s (%.2f s)",
                            interval_, nameOf(config_, config_.max_pair_gap), config_.max_pair_gap);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "nodelets/common/image_subscriber.h"
+#include "nodelets/common/stream_nodelet.h"
 #include "nodelets/inputs/ego_motion.h"
 #include "nodelets/inputs/moment.h"
 #include "nodelets/inputs/stamp_cache.h"
@@ -18,7 +18,7 @@ namespace radar_dot {
 /// Optical flow between images of one camera, consecutive or a given time apart.
 ///
 /// Only the latest pair is worked on: a slower machine gets pairs that lie farther apart, not later ones.
-class OpticalFlowNodelet : public ImageSubscriber {
+class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
  private:
   using SharedImage = std::shared_ptr<LazyImage>;
   /// In the order of the flow: it lies on the grid of `first`.
@@ -27,14 +27,9 @@ class OpticalFlowNodelet : public ImageSubscriber {
     Moment arrival;
   };
 
-  void onInit() override;
-  void apply(const OpticalFlowConfig& config);
-  void connect();
-  void disconnect();
-  /// Listens to what initialisation "expected" needs, or no longer.
-  void updateInitialFlowSubscriptions();
-  void listenForExpectedFlow();
-  void stopListeningForExpectedFlow();
+  void setUp() override;
+  bool hasAudience() const override;
+  void apply(const OpticalFlowConfig& config) override;
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
@@ -47,26 +42,21 @@ class OpticalFlowNodelet : public ImageSubscriber {
   cv::Mat expectedFlowOf(const Pair& pair, bool within_timeout, std::string& missing);
   void compute(const Pair& pair, const cv::Mat& expected);
 
-  OpticalFlowConfig config_;           // in force
   std::unique_ptr<OpticalFlow> flow_;  // none: no backend could be made
   SharedImage previous_;
   std::optional<Pair> waiting_;
 
   // For initialisation "expected".
-  std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   StampCache<sensor_msgs::Image> depths_;
   sensor_msgs::CameraInfoConstPtr camera_;
 
-  InputMonitor* image_ = nullptr;
-  InputMonitor *depth_input_ = nullptr, *camera_input_ = nullptr, *twist_input_ = nullptr;
-  ros::Subscriber image_subscriber_, depth_subscriber_, camera_subscriber_, twist_subscriber_;
+  InputMonitor *image_ = nullptr, *depth_input_ = nullptr, *camera_input_ = nullptr;
   ros::Publisher publisher_, backward_publisher_;
   ros::WallTimer compute_timer_;
 
   double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;  // s, of the latest pair
   std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0;
-  ros::WallTime last_flow_;
 };
 
 }  // namespace radar_dot

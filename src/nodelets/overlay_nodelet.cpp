@@ -11,7 +11,6 @@
 namespace radar_dot {
 namespace {
 
-constexpr double kPeriod = 0.05;       // s, how often subscribers and waiting masks are looked at
 constexpr double kInputTimeout = 0.3;  // s that a mask waits for what belongs to it
 constexpr double kKept = 2.0;          // s of images: as long as the other inputs are kept
 constexpr std::size_t kMaxKept = 40;   // images; raw ones are large
@@ -20,12 +19,8 @@ constexpr float kNearest = 0.1F;  // m; what is nearer to the camera's plane has
 
 }  // namespace
 
-void OverlayNodelet::onInit() {
-  const GivenConfig<OverlayConfig> given = readConfig<OverlayConfig>(getPrivateNodeHandle());
-  config_ = given.config;
-  setUp("overlay", config_.stream);
-  ros::NodeHandle& handle = getNodeHandle();
-  extrinsics_ = std::make_unique<Extrinsics>(config_.stream.base_frame, handle);
+void OverlayNodelet::setUp() {
+  describe("overlay", config_.stream);
   motion_ = std::make_unique<EgoMotion>(
       *extrinsics_, [] {}, [this](const std::string& text) { warn("rotation", text); });
   const auto warn_of_sensor = [this](const std::string& text) { warn("sensor", text); };
@@ -35,39 +30,13 @@ void OverlayNodelet::onInit() {
   // As long as images are kept; what comes later has nothing to be drawn on.
   valids_ = depths_ = expected_flows_ = StampCache<sensor_msgs::Image>(kKept);
   flows_ = StampCache<Flow>(kKept);
-
-  image_ = &addInput("image");
-  camera_input_ = &addInput("camera_info");
-  mask_input_ = &addInput("dynamic/mask");
-  valid_input_ = &addInput("dynamic/valid");
-  depth_input_ = &addInput("depth");
-  flow_input_ = &addInput("flow");
-  expected_input_ = &addInput("dynamic/expected_flow");
-  twist_input_ = &addInput("ego/twist", false);
-  static_input_ = &addInput("radar/static", false);
-  dynamic_input_ = &addInput("radar/dynamic", false);
-
-  checkTransport();
-  transport_ = std::make_unique<image_transport::ImageTransport>(handle);
+  listenToInputs();
+  transport_ = std::make_unique<image_transport::ImageTransport>(getNodeHandle());
   mask_publisher_ = transport_->advertise("overlay/mask", 2);
   panels_publisher_ = transport_->advertise("overlay/six_panel", 2);
-  serve<OverlayConfig>(given, [this](const OverlayConfig& config) { config_ = config; });
-  timer_ = handle.createWallTimer(ros::WallDuration(kPeriod), [this](const ros::WallTimerEvent&) {
-    attempt([this] { updateSubscriptions(); });
-    guard(*mask_input_, [this] { processQueue(); });
-  });
 }
 
-void OverlayNodelet::updateSubscriptions() {
-  const bool wanted = maskWanted() || panelsWanted();
-  if (wanted == listening_ && panelsWanted() == listening_for_panels_) return;
-  disconnect();
-  listening_ = wanted;
-  listening_for_panels_ = panelsWanted();
-  if (wanted) connect();
-}
-
-void OverlayNodelet::connect() {
+void OverlayNodelet::listenToInputs() {
   using sensor_msgs::Image;
   const auto keep = [this](StampCache<Image>& cache) {
     return [this, &cache](const sensor_msgs::ImageConstPtr& message) {
@@ -75,32 +44,23 @@ void OverlayNodelet::connect() {
       processQueue();
     };
   };
-  subscribers_.push_back(
-      listenToImages(*image_, 3, [this](LazyImage picture) { keepImage(std::move(picture)); }));
-  subscribers_.push_back(listen<Image>(*mask_input_, "dynamic/mask", 3,
-                                       [this](const sensor_msgs::ImageConstPtr& mask) { onMask(mask); }));
-  subscribers_.push_back(listen<Image>(*valid_input_, "dynamic/valid", 3, keep(valids_)));
-  if (!listening_for_panels_) return;
-  subscribers_.push_back(listen<Image>(*depth_input_, "depth", 5, keep(depths_)));
-  subscribers_.push_back(listen<Image>(*expected_input_, "dynamic/expected_flow", 3, keep(expected_flows_)));
-  subscribers_.push_back(listen<Flow>(*flow_input_, "flow", 3, [this](const FlowConstPtr& flow) {
-    flows_.add(flow);
-    processQueue();
-  }));
-  subscribers_.push_back(listenToCamera(*camera_input_, camera_));
-  subscribers_.push_back(listenToTwists(*twist_input_, *motion_));
-  subscribers_.push_back(listenToClouds(*static_input_, "radar/static", *static_returns_));
-  subscribers_.push_back(listenToClouds(*dynamic_input_, "radar/dynamic", *dynamic_returns_));
-}
-
-void OverlayNodelet::disconnect() {
-  subscribers_.clear();
-  for (InputMonitor* input : {image_, camera_input_, mask_input_, valid_input_, depth_input_, flow_input_,
-                              expected_input_, twist_input_, static_input_, dynamic_input_}) {
-    input->setTopic({});
-    input->reset();
-  }
-  clearHistory();
+  const auto panels = [this] { return panelsWanted(); };
+  image_ = &listenToImages(3, [this](LazyImage picture) { keepImage(std::move(picture)); });
+  mask_input_ =
+      &listen<Image>("dynamic/mask", 3, [this](const sensor_msgs::ImageConstPtr& mask) { onMask(mask); });
+  valid_input_ = &listen<Image>("dynamic/valid", 3, keep(valids_));
+  depth_input_ = &listen<Image>("depth", 5, keep(depths_), {true, panels, {}});
+  expected_input_ = &listen<Image>("dynamic/expected_flow", 3, keep(expected_flows_), {true, panels, {}});
+  flow_input_ = &listen<Flow>("flow", 3,
+                              [this](const FlowConstPtr& flow) {
+                                flows_.add(flow);
+                                processQueue();
+                              },
+                              {true, panels, {}});
+  listenToCamera(camera_, {true, panels, {}});
+  listenToTwists(*motion_, {false, panels, {}});
+  listenToClouds("radar/static", *static_returns_, {false, panels, {}});
+  listenToClouds("radar/dynamic", *dynamic_returns_, {false, panels, {}});
 }
 
 void OverlayNodelet::clearHistory() {
@@ -133,7 +93,7 @@ OverlayNodelet::Parts OverlayNodelet::partsAt(const ros::Time& stamp) const {
   for (const KeptImage& kept : images_)
     if (kept.stamp == stamp) parts.image = kept.picture;
   parts.valid = valids_.find(stamp);
-  if (!listening_for_panels_) return parts;
+  if (!listensForPanels()) return parts;
   parts.depth = depths_.find(stamp);
   parts.flow = flows_.find(stamp);
   parts.expected_flow = expected_flows_.find(stamp);
@@ -147,7 +107,7 @@ std::string OverlayNodelet::missingOf(const Parts& parts) const {
   };
   note(parts.image != nullptr, *image_);
   note(parts.valid != nullptr, *valid_input_);
-  if (!listening_for_panels_) return missing;
+  if (!listensForPanels()) return missing;
   note(parts.depth != nullptr, *depth_input_);
   note(parts.flow != nullptr, *flow_input_);
   note(parts.expected_flow != nullptr, *expected_input_);
@@ -232,9 +192,7 @@ void OverlayNodelet::draw(const sensor_msgs::ImageConstPtr& message, const Parts
 
 void OverlayNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  if (!listening_) {
-    status.summary(DiagnosticStatus::OK, "idle: no subscribers");
-  } else if (incomplete_since_report_ > 0) {
+  if (incomplete_since_report_ > 0) {
     status.summary(DiagnosticStatus::WARN,
                    "incomplete pictures: nothing with the stamp of the mask on " + missing_);
   } else {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "nodelets/common/image_subscriber.h"
+#include "nodelets/common/stream_nodelet.h"
 #include "nodelets/inputs/cloud_points.h"
 #include "nodelets/inputs/moment.h"
 #include "nodelets/inputs/stamp_cache.h"
@@ -23,7 +23,7 @@ namespace radar_dot {
 ///
 /// Listens to its inputs only while a picture has subscribers. A mask waits for what belongs to its stamp;
 /// what has not come in time is missing in the picture.
-class OverlayNodelet : public ImageSubscriber {
+class OverlayNodelet : public ConfiguredNodelet<OverlayConfig> {
  private:
   /// What belongs to one stamp.
   struct Parts {
@@ -37,12 +37,15 @@ class OverlayNodelet : public ImageSubscriber {
     std::shared_ptr<LazyImage> picture;
   };
 
-  void onInit() override;
-  void connect();
-  void disconnect();
-  void updateSubscriptions();
+  void setUp() override;
+  void listenToInputs();
+  bool hasAudience() const override { return maskWanted() || panelsWanted(); }
   bool maskWanted() const { return mask_publisher_.getNumSubscribers() > 0; }
   bool panelsWanted() const { return panels_publisher_.getNumSubscribers() > 0; }
+  bool listensForPanels() const { return !depth_input_->topic().empty(); }
+  void tick() override {
+    guard(*mask_input_, [this] { processQueue(); });
+  }
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
@@ -55,8 +58,6 @@ class OverlayNodelet : public ImageSubscriber {
   void draw(const sensor_msgs::ImageConstPtr& mask, const Parts& parts);
   std::vector<RadarPixel> radarPixels(const std_msgs::Header& header);
 
-  OverlayConfig config_;  // in force
-  std::unique_ptr<Extrinsics> extrinsics_;
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> static_returns_, dynamic_returns_;
   std::deque<KeptImage> images_;
@@ -65,15 +66,10 @@ class OverlayNodelet : public ImageSubscriber {
   sensor_msgs::CameraInfoConstPtr camera_;
   WaitingQueue<sensor_msgs::ImageConstPtr> waiting_;
 
-  InputMonitor *image_ = nullptr, *camera_input_ = nullptr, *mask_input_ = nullptr, *valid_input_ = nullptr,
-               *depth_input_ = nullptr, *flow_input_ = nullptr, *expected_input_ = nullptr,
-               *twist_input_ = nullptr, *static_input_ = nullptr, *dynamic_input_ = nullptr;
-  bool listening_ = false;
-  bool listening_for_panels_ = false;
-  std::vector<ros::Subscriber> subscribers_;
+  InputMonitor *image_ = nullptr, *mask_input_ = nullptr, *valid_input_ = nullptr, *depth_input_ = nullptr,
+               *flow_input_ = nullptr, *expected_input_ = nullptr;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Publisher mask_publisher_, panels_publisher_;
-  ros::WallTimer timer_;
 
   ros::WallTime last_drawn_;
   double drawing_time_ = 0.0;  // s, of the latest pictures

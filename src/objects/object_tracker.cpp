@@ -105,7 +105,8 @@ ObjectTracker::Measurement ObjectTracker::measurementOf(const ObjectDetection& d
   return measurement;
 }
 
-bool ObjectTracker::update(double time, std::size_t radar, const std::vector<ObjectDetection>& detections,
+bool ObjectTracker::update(double time, std::optional<std::size_t> radar,
+                           const std::vector<ObjectDetection>& detections,
                            const Eigen::Isometry3d& T_odom_from_base) {
   if (!std::isfinite(time) || !T_odom_from_base.matrix().allFinite() || time < newest_ - params_.max_lag)
     return false;
@@ -216,7 +217,7 @@ bool ObjectTracker::isAbsorbed(const Measurement& measurement) const {
   });
 }
 
-void ObjectTracker::start(const Measurement& measurement, std::size_t radar) {
+void ObjectTracker::start(const Measurement& measurement, std::optional<std::size_t> radar) {
   Candidate candidate;
   ObjectTrack& track = candidate.track;
   candidate.radar = radar;

@@ -35,11 +35,11 @@ TEST(Radars, AnInvalidEntryIsLeftOutAlone) {
   config.radars["mute"].doppler_scale = -1.0;
   config.radars["zero"] = {"b", 0.0, 0.0};
   config.radars["turned"] = {"c", {}, 4.0};
-  config.expected_rate = 20.0;
+  config.rate.expected_rate = 20.0;
   const ParameterProblems problems = problemsOf(config);
   ASSERT_EQ(config.radars.size(), 1U);
   EXPECT_EQ(config.radars.begin()->first, "good");
-  EXPECT_EQ(config.expected_rate, 20.0);
+  EXPECT_EQ(config.rate.expected_rate, 20.0);
   for (const char* text :
        {"radars/mute/topic is empty", "radars/zero/doppler_scale is 0; it must not be zero",
         "radars/turned/mount_yaw_correction is 4, must be between"})

@@ -1,10 +1,9 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nodelets/common/input_monitor.h"
-
 #include <gtest/gtest.h>
 
 #include "fixtures/refusal.h"
+#include "nodelets/common/monitors.h"
 
 namespace radar_dot {
 namespace {

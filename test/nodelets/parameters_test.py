@@ -169,16 +169,20 @@ class ParametersTest(unittest.TestCase):
             "the misspelt parameter was named")
 
     def test_a_radar_whose_topic_is_no_name_is_left_out(self):
+        odd = "/hyphen/radars/odd/topic has 'radar-front': "
         client = self.load("EgoVelocity", "hyphen", radars=dict(RADARS, odd={"topic": "radar-front"}))
-        self.expect_report("hyphen: configuration", DiagnosticStatus.ERROR, "odd is left out")
+        self.expect_report("hyphen: configuration", DiagnosticStatus.ERROR, odd)
         client.update_configuration({"threshold": 0.7})
         self.expect_report("hyphen: radar front", DiagnosticStatus.ERROR, "")
-        self.assertIn("odd is left out", self.reports["hyphen: configuration"].message)
+        self.assertIn(odd, self.reports["hyphen: configuration"].message)
 
     def test_a_topic_of_depth_that_is_no_name_is_left_out(self):
-        client = self.load("Depth", "hyphen_depth", radar_topics=["radar-front", "radar/static"])
+        client = self.load("Depth", "hyphen_depth", radar_topics=["radar-front", "radar/static"],
+                           network_radar_topics=["my radar"])
         subscriber = rospy.Subscriber("depth", Image)
-        self.expect_report("hyphen_depth: depth", DiagnosticStatus.ERROR, "radar_topics: 'radar-front' is left out")
+        self.expect_report("hyphen_depth: depth", DiagnosticStatus.ERROR, "/hyphen_depth/radar_topics has 'radar-front': ")
+        self.assertIn("/hyphen_depth/network_radar_topics has 'my radar': ",
+                      self.reports["hyphen_depth: depth"].message)
         self.expect_report("hyphen_depth: input radar/static", DiagnosticStatus.OK, "")
         self.assertEqual(client.update_configuration({"max_depth": 80.0})["max_depth"], 80.0)
         subscriber.unregister()

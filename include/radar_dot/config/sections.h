@@ -39,15 +39,22 @@ struct RadarEntry {
   void describe(FieldList& fields);
 };
 
+/// What the diagnostics expect of the inputs of the radar half.
+struct RateParams {
+  double expected_rate = 13.0;
+  double rate_tolerance = 0.3;
+  double max_age = 0.5;
+
+  void describe(FieldList& fields);
+};
+
 /// Nodelet EgoVelocity, section ego_velocity.
 struct EgoVelocityConfig : SweepEstimatorParams {
   std::string base_frame = "base_link";
   std::map<std::string, RadarEntry> radars;
   SweepParams sweep;
   int queue_size = 5;
-  double expected_rate = 13.0;
-  double rate_tolerance = 0.3;
-  double max_age = 0.5;
+  RateParams rate;
 
   ExtractionParams extraction;
   bool use_mask = false;
@@ -91,9 +98,7 @@ struct OdometryConfig {
   bool start_at_source = false;
   bool publish_tf = true;
   bool publish_source_tf = false;
-  double expected_rate = 13.0;
-  double rate_tolerance = 0.3;
-  double max_age = 0.5;
+  RateParams rate;
 
   double max_gap = 1.0;
   double rotation_timeout = 0.25;

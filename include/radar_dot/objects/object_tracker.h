@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "radar_dot/objects/object_detection.h"
@@ -124,11 +125,11 @@ class ObjectTracker {
   /// @throws std::invalid_argument see validate
   explicit ObjectTracker(const ObjectTrackerParams& params = {});
 
-  /// Adds the detections of one scan, which may be none.
-  /// @param time   s, of the scan @param radar  its number, the same in all scans
+  /// Adds the detections of one scan or mask, which may be none.
+  /// @param time   s, of the scan @param radar  its number, the same in all scans; none: a mask of the camera
   /// @param T_odom_from_base  pose of the vehicle at `time`; only its planar part is used
   /// @return false, and no change, for a scan older than max_lag or an input that is not finite
-  bool update(double time, std::size_t radar, const std::vector<ObjectDetection>& detections,
+  bool update(double time, std::optional<std::size_t> radar, const std::vector<ObjectDetection>& detections,
               const Eigen::Isometry3d& T_odom_from_base);
 
   /// Confirmed tracks that move, brought to `time` (s), ordered by id.
@@ -145,8 +146,8 @@ class ObjectTracker {
  private:
   struct Candidate {
     ObjectTrack track;
-    std::size_t radar = 0;  ///< that started it
-    int scans = 1;          ///< of this radar, until the track is confirmed
+    std::optional<std::size_t> radar;  ///< that started it; none: the camera
+    int scans = 1;                     ///< of this source, until the track is confirmed
   };
   struct Measurement;
   static Measurement measurementOf(const ObjectDetection& detection,
@@ -158,7 +159,7 @@ class ObjectTracker {
   bool isOneBody(const ObjectTrack& track, const Eigen::Vector4d& apart,
                  const Eigen::Matrix2d& velocity_covariance) const;
   bool isAbsorbed(const Measurement& measurement) const;
-  void start(const Measurement& measurement, std::size_t radar);
+  void start(const Measurement& measurement, std::optional<std::size_t> radar);
   void endTracks(double time);
   void mergeTracks();
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "nodelets/common/read_parameters.h"
 #include "radar_dot/radar/sweep_assembler.h"
@@ -74,49 +75,121 @@ void StreamMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status
   status.addf("silence (s)", "%.2f", quiet);
 }
 
-void RadarMonitor::scan(const ros::Time& stamp, const ros::Time& arrival, const std::string& frame,
-                        const ExtractionCounts& counts) {
-  stream_.tick(stamp, arrival);
-  frame_ = frame;
-  counts_ = counts;
-  ++good_;
+void checkHeader(const std_msgs::Header& header, const ros::Time& now) {
+  if (header.frame_id.empty()) throw std::invalid_argument("its frame_id is empty");
+  const std::string defect = stampDefect(header.stamp, now);
+  if (!defect.empty()) throw std::invalid_argument(defect);
 }
 
-std::size_t RadarMonitor::outside() const { return good_ > used_ ? good_ - used_ : 0; }
+bool InputMonitor::accept(const std_msgs::Header& header, const ros::Time& now) {
+  heard_ = true;
+  latest_is_good_ = false;
+  checkHeader(header, now);
+  const StampGuard::Verdict verdict = stamps_.check(header.stamp);
+  if (verdict == StampGuard::Verdict::kStale) {
+    throw std::invalid_argument("stamp not newer than the previous " + noun_ + "'s");
+  }
+  stream_.tick(header.stamp, now);
+  ++good_;
+  latest_is_good_ = true;
+  return verdict == StampGuard::Verdict::kGood;
+}
 
-void RadarMonitor::refuse(const std::string& cause) {
+void InputMonitor::acceptUnordered(const std_msgs::Header& header, const ros::Time& now) {
+  heard_ = true;
+  latest_is_good_ = false;
+  checkHeader(header, now);
+  stream_.tickUnordered(header.stamp, now);
+  ++good_;
+  latest_is_good_ = true;
+}
+
+void InputMonitor::acceptLatched(const ros::Time& now) {
+  heard_ = true;
+  stream_.tick(now, now);
+  ++good_;
+  latest_is_good_ = lasts_ = true;
+}
+
+void InputMonitor::refuse(const std::string& cause) {
+  if (latest_is_good_ && good_ > 0) {
+    --good_;  // its header was in order, the rest was not
+    lasts_ = false;
+  }
+  latest_is_good_ = false;
   cause_ = cause;
   ++refused_;
   ++refused_in_all_;
 }
 
-void RadarMonitor::reset() {
+void InputMonitor::connect(const ros::Subscriber& subscriber) {
+  subscriber_ = subscriber;
+  topic_ = subscriber.getTopic();
+}
+
+void InputMonitor::disconnect() {
+  subscriber_.shutdown();
+  topic_.clear();
+  reset();
+}
+
+void InputMonitor::reset() {
   stream_.reset();
-  good_ = used_ = refused_ = 0;
+  stamps_.reset();
+  good_ = refused_ = 0;
+}
+
+void InputMonitor::report(const ros::Time& now, diagnostic_updater::DiagnosticStatusWrapper& status) {
+  if (topic_.empty()) {
+    status.summary(DiagnosticStatus::OK, "not subscribed (unused)");
+  } else {
+    stream_.report(now, status);
+    if (refused_ > 0) {
+      status.summaryf(good_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR, "%zu %ss refused: %s",
+                      refused_, noun_.c_str(), cause_.c_str());
+    } else if (lasts_) {
+      status.summary(DiagnosticStatus::OK, "received");
+    } else if (!required_ && status.level == DiagnosticStatus::ERROR) {
+      status.level = DiagnosticStatus::OK;  // its words stay
+    }
+  }
+  status.add("topic", topic_);
+  status.addf(noun_ + "s refused", "%zu", refused_in_all_);
+  if (refused_in_all_ > 0) status.add("last refusal", cause_);
+  good_ = refused_ = 0;
+}
+
+void RadarMonitor::scan(const std::string& frame, const ExtractionCounts& counts) {
+  frame_ = frame;
+  counts_ = counts;
+  ++scans_;
+}
+
+std::size_t RadarMonitor::outside() const { return scans_ > used_ ? scans_ - used_ : 0; }
+
+void RadarMonitor::reset() {
+  InputMonitor::reset();
+  scans_ = used_ = 0;
 }
 
 void RadarMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status) {
-  stream_.report(now, status);
-  if (refused_ > 0) {
-    status.summaryf(good_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR, "%zu clouds refused: %s",
-                    refused_, cause_.c_str());
-  } else if (good_ > 0 && !mount_error_.empty()) {
+  const bool all_good = !hasRefusals();
+  InputMonitor::report(now, status);
+  if (all_good && scans_ > 0 && !mount_error_.empty()) {
     status.summary(DiagnosticStatus::ERROR, mount_error_);
-  } else if (outside() > kWaiting && 2 * outside() > good_) {
+  } else if (all_good && outside() > kWaiting && 2 * outside() > scans_) {
     const SweepParams names;
     status.mergeSummaryf(DiagnosticStatus::WARN,
                          "%zu of %zu scans outside the window of %.2f s: check its clock or the "
                          "parameter %s",
-                         outside(), good_, window_, nameOf(names, names.window));
+                         outside(), scans_, window_, nameOf(names, names.window));
   }
-  status.add("topic", topic_);
   status.add("frame", frame_);
   status.addf("returns", "%zu", counts_.total);
   status.addf("returns accepted", "%zu", counts_.accepted);
   status.addf("returns not finite", "%zu", counts_.not_finite);
-  status.addf("scans used", "%zu of %zu", used_, good_);
-  status.addf("clouds refused", "%zu", refused_in_all_);
-  good_ = used_ = refused_ = 0;
+  status.addf("scans used", "%zu of %zu", used_, scans_);
+  scans_ = used_ = 0;
 }
 
 void EstimatorMonitor::estimate(const ros::Time& stamp, const ros::Time& arrival,

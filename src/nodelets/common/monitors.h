@@ -3,11 +3,17 @@
 #pragma once
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
+#include <ros/subscriber.h>
 #include <ros/time.h>
+#include <std_msgs/Header.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <string>
+#include <utility>
 
+#include "nodelets/inputs/stamp_guard.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
 
@@ -48,40 +54,95 @@ class StreamMonitor {
   double age_ = 0.0;
 };
 
-/// Health of one radar.
-class RadarMonitor {
- public:
-  /// @param window  s, of the sweeps
-  RadarMonitor(std::string topic, StreamExpectation expectation, double window)
-      : topic_(std::move(topic)), window_(window), stream_(expectation) {}
+/// Checks that hold for every stamped message: frame given, stamp given and not ahead of the clock.
+/// @throws std::invalid_argument saying what is wrong
+void checkHeader(const std_msgs::Header& header, const ros::Time& now);
 
-  void scan(const ros::Time& stamp, const ros::Time& arrival, const std::string& frame,
-            const ExtractionCounts& counts);
-  /// A scan found its place in a sweep.
-  void used() { ++used_; }
-  /// A cloud that could not be read, and why.
+/// One input of a nodelet: its order of stamps, its health, and what was refused of it.
+class InputMonitor {
+ public:
+  /// @param name      for logs and diagnostics, as in "depth"
+  /// @param required  false: its silence is no error
+  /// @param noun      of one of its messages, for texts
+  InputMonitor(std::string name, StreamExpectation expectation, bool required, std::string noun = "message")
+      : name_(std::move(name)), noun_(std::move(noun)), required_(required), stream_(expectation) {}
+  virtual ~InputMonitor() = default;
+  InputMonitor(const InputMonitor&) = default;
+  InputMonitor& operator=(const InputMonitor&) = default;
+
+  const std::string& name() const noexcept { return name_; }
+  const std::string& noun() const noexcept { return noun_; }
+  /// Resolved name, once subscribed; empty: not subscribed now.
+  const std::string& topic() const noexcept { return topic_; }
+  void setTopic(std::string topic) { topic_ = std::move(topic); }
+  void connect(const ros::Subscriber& subscriber);
+  /// Ends the subscription, and resets.
+  void disconnect();
+  std::uint32_t publishers() const { return subscriber_.getNumPublishers(); }
+
+  /// @param max_age  s between stamp and arrival, above which the report warns
+  void expectMaxAge(double max_age) { stream_.expectMaxAge(max_age); }
+
+  /// Takes a message into the order. @return false when time restarted with it: everything from before is
+  /// to be forgotten. @throws std::invalid_argument as checkHeader(), and for a stamp not after the one
+  /// before.
+  bool accept(const std_msgs::Header& header, const ros::Time& now);
+  /// The same for messages that several sources send on one topic, in no order.
+  void acceptUnordered(const std_msgs::Header& header, const ros::Time& now);
+  /// What holds until the next one comes, as a calibration: any stamp, and silence is no error afterwards.
+  void acceptLatched(const ros::Time& now);
+  /// The latest message cannot be used, whether it was accepted or not.
   void refuse(const std::string& cause);
-  /// The mount of the radar: `error` is empty when TF knows it.
-  void mount(const std::string& error) { mount_error_ = error; }
-  void reset();
+  virtual void reset();
+  /// Has anything arrived, refused or not?
+  bool heard() const noexcept { return heard_; }
+  bool hasRefusals() const noexcept { return refused_ > 0; }  ///< since the last report
+  std::size_t refusedInAll() const noexcept { return refused_in_all_; }
+  const StreamMonitor& stream() const noexcept { return stream_; }
 
   /// Reports, and starts the next interval.
-  void report(const ros::Time& now, diagnostic_updater::DiagnosticStatusWrapper& status);
+  virtual void report(const ros::Time& now, diagnostic_updater::DiagnosticStatusWrapper& status);
+
+ private:
+  std::string name_, noun_, topic_;
+  ros::Subscriber subscriber_;
+  bool required_;
+  StreamMonitor stream_;
+  StampGuard stamps_;
+  std::string cause_;
+  bool heard_ = false;
+  bool latest_is_good_ = false;
+  bool lasts_ = false;
+  std::size_t good_ = 0;     // since the last report
+  std::size_t refused_ = 0;  // since the last report
+  std::size_t refused_in_all_ = 0;
+};
+
+/// Health of one radar.
+class RadarMonitor final : public InputMonitor {
+ public:
+  /// @param window  s, of the sweeps
+  RadarMonitor(std::string name, StreamExpectation expectation, double window)
+      : InputMonitor(std::move(name), expectation, true, "cloud"), window_(window) {}
+
+  /// A cloud that was read, for a sweep.
+  void scan(const std::string& frame, const ExtractionCounts& counts);
+  /// A scan found its place in a sweep.
+  void used() { ++used_; }
+  /// The mount of the radar: `error` is empty when TF knows it.
+  void mount(const std::string& error) { mount_error_ = error; }
+  void reset() override;
+  void report(const ros::Time& now, diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
  private:
   std::size_t outside() const;  ///< scans since the last report that no sweep used
 
-  std::string topic_;
   double window_;
-  StreamMonitor stream_;
   std::string frame_;
   std::string mount_error_;
-  std::string cause_;
   ExtractionCounts counts_;
-  std::size_t good_ = 0;     ///< since the last report
-  std::size_t used_ = 0;     ///< since the last report
-  std::size_t refused_ = 0;  ///< since the last report
-  std::size_t refused_in_all_ = 0;
+  std::size_t scans_ = 0;  ///< since the last report
+  std::size_t used_ = 0;   ///< since the last report
 };
 
 /// Health of the estimator.

@@ -6,6 +6,8 @@
 #include <dynamic_reconfigure/ConfigDescription.h>
 #include <ros/console.h>
 
+#include <algorithm>
+
 #include "nodelets/common/reconfigure_messages.h"
 
 namespace radar_dot {
@@ -27,8 +29,10 @@ void ReconfigureServerBase::start() {
       fallBackUntil([this] { applyInForce(); }, handle_.getNamespace(), inForce(), defaults(), problems_);
   logProblems(problems_, known);
 
+  const FieldList fields = inForce();
+  if (std::all_of(fields.begin(), fields.end(), [](const Field& field) { return field.at_start; })) return;
   // What was refused stays on the parameter server: the next start must not take the default for the wish.
-  for (const Field& field : inForce())
+  for (const Field& field : fields)
     if (!field.at_start && !refusedAtStart(field.name)) store(field);
 
   descriptions_ =

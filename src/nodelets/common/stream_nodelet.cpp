@@ -9,98 +9,167 @@
 
 namespace radar_dot {
 
+using diagnostic_msgs::DiagnosticStatus;
 using diagnostic_updater::DiagnosticStatusWrapper;
 
 namespace {
 
-constexpr double kAudiencePeriod = 0.05;  // s
+constexpr double kPeriod = 0.05;  // s, how often the audience and what waits are looked at
 constexpr std::uint32_t kTwistQueue = 20;
 constexpr std::uint32_t kCloudQueue = 20;
 
 }  // namespace
 
-void StreamNodelet::setUp(const std::string& what, const StreamParams& params) {
-  expectation_.rate = 0.0;  // cameras have all rates
-  expectation_.max_age = params.max_age;
-  expectation_.silent_after = params.silent_after;
+void StreamNodelet::onInit() {
+  // This is the loader's thread, while the queue is served already: the set-up goes there.
+  timer_ = getNodeHandle().createWallTimer(
+      ros::WallDuration(kPeriod), [this](const ros::WallTimerEvent&) { started_ ? look() : start(); });
+}
 
-  diagnostics_ =
-      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
-  diagnostics_->setHardwareID("none");
-  diagnostics_->add(what, [this](DiagnosticStatusWrapper& status) {
-    report(status);
-    reportConfiguration(status);
-  });
+void StreamNodelet::start() {
+  started_ = true;
+  complete_ = attempt([this] { setUpAll(); });
+  if (!diagnostics_) return;
   // Wall time: the updater's own timing stops when a bag starts again.
   diagnostics_timer_ = getNodeHandle().createWallTimer(
       ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+  look();
 }
 
-InputMonitor& StreamNodelet::addInput(const std::string& name, bool required) {
-  inputs_.push_back(std::make_unique<InputMonitor>(name, expectation_, required));
-  InputMonitor* input = inputs_.back().get();
-  diagnostics_->add("input " + name,
-                    [input](DiagnosticStatusWrapper& status) { input->report(ros::Time::now(), status); });
-  return *input;
+void StreamNodelet::look() {
+  updateInputs();
+  if (connected_) attempt([this] { tick(); });
 }
 
-void StreamNodelet::connectWhile(const std::function<bool()>& wanted, const std::function<void()>& connect,
-                                 const std::function<void()>& disconnect) {
-  audience_timer_ = getNodeHandle().createWallTimer(
-      ros::WallDuration(kAudiencePeriod), [this, wanted, connect, disconnect](const ros::WallTimerEvent&) {
-        const bool now = wanted();
-        if (now == connected_) return;
-        connected_ = now;
-        attempt(now ? connect : disconnect);
-      });
+void StreamNodelet::describe(const std::string& what, const std::string& base_frame,
+                             const StreamExpectation& expectation) {
+  expectation_ = expectation;
+  extrinsics_ = std::make_unique<Extrinsics>(base_frame, getNodeHandle());
+  diagnostics_ =
+      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
+  diagnostics_->setHardwareID(extrinsics_->baseFrame());
+  addDiagnostic(what, [this](DiagnosticStatusWrapper& status) {
+    if (complete_) report(status);
+    if (complete_ && !connected_) status.summary(DiagnosticStatus::OK, "idle: no subscribers");
+    reportConfiguration(status);
+  });
 }
 
-void StreamNodelet::stop(InputMonitor& input, ros::Subscriber& subscriber) {
-  subscriber.shutdown();
-  subscriber = {};
-  input.setTopic({});
-  input.reset();
+void StreamNodelet::describe(const std::string& what, const StreamParams& params) {
+  StreamExpectation expectation;
+  expectation.rate = 0.0;  // cameras have all rates
+  expectation.max_age = params.max_age;
+  expectation.silent_after = params.silent_after;
+  describe(what, params.base_frame, expectation);
 }
 
-ros::Subscriber StreamNodelet::listenToTwists(InputMonitor& input, EgoMotion& motion) {
+StreamExpectation StreamNodelet::expectationOf(const RateParams& params, double silent_after) {
+  return {params.expected_rate, params.rate_tolerance, params.max_age,
+          std::max(silent_after, 3.0 / params.expected_rate)};
+}
+
+StreamNodelet::Input& StreamNodelet::addInput(const std::string& title, std::unique_ptr<InputMonitor> monitor,
+                                              InputOptions options, Stamps stamps) {
+  inputs_.push_back(std::make_unique<Input>());
+  Input& input = *inputs_.back();
+  input.monitor = std::move(monitor);
+  input.options = std::move(options);
+  input.stamps = stamps;
+  addDiagnostic(
+      title, [&input](DiagnosticStatusWrapper& status) { input.monitor->report(ros::Time::now(), status); });
+  return input;
+}
+
+void StreamNodelet::updateInputs() {
+  if (!complete_) return;
+  const bool audience = hasAudience();
+  const bool left = connected_ && !audience;
+  if (audience && !connected_) noteOutput();
+  connected_ = audience;
+  for (const std::unique_ptr<Input>& input : inputs_) {
+    const bool wanted = audience && (!input->options.wanted || input->options.wanted());
+    if (wanted != input->is_on) attempt([&] { switchInput(*input, wanted); });
+  }
+  if (left) clearHistory();
+}
+
+void StreamNodelet::switchInput(Input& input, bool on) {
+  input.is_on = on;
+  if (on) {
+    input.monitor->connect(input.subscribe());
+    return;
+  }
+  input.monitor->disconnect();
+  if (input.options.forget) input.options.forget();
+}
+
+InputMonitor& StreamNodelet::listenToTwists(EgoMotion& motion, InputOptions options) {
   return listen<geometry_msgs::TwistWithCovarianceStamped>(
-      input, "ego/twist", kTwistQueue,
-      [&motion](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion.add(*twist); });
+      "ego/twist", kTwistQueue,
+      [&motion](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion.add(*twist); },
+      std::move(options));
 }
 
-ros::Subscriber StreamNodelet::listenToCamera(InputMonitor& input, sensor_msgs::CameraInfoConstPtr& camera) {
-  return subscribeLatched<sensor_msgs::CameraInfo>(
-      input, "camera_info", [&camera](const sensor_msgs::CameraInfoConstPtr& message) { camera = message; });
+InputMonitor& StreamNodelet::listenToCamera(sensor_msgs::CameraInfoConstPtr& camera, InputOptions options) {
+  return listen<sensor_msgs::CameraInfo>(
+      "camera_info", 2, [&camera](const sensor_msgs::CameraInfoConstPtr& message) { camera = message; },
+      std::move(options), Stamps::kAny);
 }
 
-ros::Subscriber StreamNodelet::listenToClouds(InputMonitor& input, const std::string& topic,
-                                              RecentClouds& clouds) {
-  return listenUnordered<sensor_msgs::PointCloud2>(
-      input, topic, kCloudQueue, [&clouds, &input](const sensor_msgs::PointCloud2ConstPtr& cloud) {
-        clouds.add(input.topic(), *cloud);
-      });
+InputMonitor& StreamNodelet::listenToClouds(const std::string& topic, RecentClouds& clouds,
+                                            InputOptions options) {
+  const std::string name = getNodeHandle().resolveName(topic);
+  return listen<sensor_msgs::PointCloud2>(
+      topic, kCloudQueue,
+      [&clouds, name](const sensor_msgs::PointCloud2ConstPtr& cloud) { clouds.add(name, *cloud); },
+      std::move(options), Stamps::kUnordered);
 }
 
-void StreamNodelet::attempt(const std::function<void()>& body) {
+InputMonitor& StreamNodelet::listenToImages(std::uint32_t queue_size,
+                                            const std::function<void(LazyImage)>& body,
+                                            InputOptions options) {
+  auto monitor = std::make_unique<InputMonitor>("image", expectation_, options.required);
+  const auto transport = getPrivateNodeHandle().param<std::string>("image_transport", "raw");
+  if (transport == "compressed") {
+    return *listenAs<sensor_msgs::CompressedImage>(
+        "input image", std::move(monitor), "image/compressed", queue_size,
+        [body](const sensor_msgs::CompressedImageConstPtr& image) { body(LazyImage(image)); },
+        std::move(options));
+  }
+  if (transport != "raw")
+    reportProblem("image_transport '" + transport + "' is not one of raw, compressed; using raw");
+  return *listenAs<sensor_msgs::Image>(
+      "input image", std::move(monitor), "image", queue_size,
+      [body](const sensor_msgs::ImageConstPtr& image) { body(LazyImage(image)); }, std::move(options));
+}
+
+bool StreamNodelet::isTopic(const std::string& topic, const std::string& parameter) {
+  const std::string defect = topicDefect(getNodeHandle(), topic);
+  if (!defect.empty()) {
+    reportProblem(getPrivateNodeHandle().resolveName(parameter) + " has '" + topic + "': " + defect +
+                  "; it is left out");
+  }
+  return defect.empty();
+}
+
+bool StreamNodelet::attempt(const std::function<void()>& body) {
   try {
     body();
+    return true;
   } catch (const std::exception& error) {
     // A timer's exception would end the process that we share with others.
     reportProblem(error.what());
+    return false;
   }
 }
 
 void StreamNodelet::reportProblem(const std::string& problem) {
+  if (std::find(problems_.begin(), problems_.end(), problem) != problems_.end()) return;
+  problems_.push_back(problem);
   NODELET_ERROR("%s: %s", getName().c_str(), problem.c_str());
-  noteProblem(problem);
-}
-
-void StreamNodelet::noteProblem(const std::string& problem) {
-  if (std::find(problems_.begin(), problems_.end(), problem) == problems_.end()) problems_.push_back(problem);
 }
 
 void StreamNodelet::reportConfiguration(DiagnosticStatusWrapper& status) const {
-  using diagnostic_msgs::DiagnosticStatus;
   for (const std::string& problem : problems_) status.mergeSummary(DiagnosticStatus::ERROR, problem);
   if (!server_) return;
   if (!server_->refusal().empty())
@@ -114,32 +183,50 @@ void StreamNodelet::warn(const std::string& subject, const std::string& text) {
 
 void StreamNodelet::restart(const ros::Time& now) {
   NODELET_WARN("%s: time jumped back to %.3f s; resetting", getName().c_str(), now.toSec());
-  for (const std::unique_ptr<InputMonitor>& input : inputs_) input->reset();
+  for (const std::unique_ptr<Input>& input : inputs_) input->monitor->reset();
   clearHistory();
+}
+
+void StreamNodelet::checkClock() {
+  const ros::Time now = ros::Time::now();
+  if (clock_.wentBack(now)) restart(now);
 }
 
 void StreamNodelet::guard(InputMonitor& input, const std::function<void()>& body) {
   try {
-    const ros::Time now = ros::Time::now();
-    if (clock_.wentBack(now)) restart(now);
+    checkClock();
     body();
   } catch (const std::exception& error) {
     // Whatever the data are: they must not end the process that we share with others.
     input.refuse(error.what());
-    warn(input.name(), "message on '" + input.topic() + "' refused: " + error.what());
+    warn(input.name(), input.noun() + " on '" + input.topic() + "' refused: " + error.what());
   }
 }
 
-void StreamNodelet::take(InputMonitor& input, const std_msgs::Header& header,
-                         const std::function<void()>& body) {
-  guard(input, [&] {
-    const ros::Time now = ros::Time::now();
-    if (!input.accept(header, now)) {
-      restart(header.stamp);
-      input.accept(header, now);
-    }
+void StreamNodelet::take(Input& input, const std_msgs::Header& header, const std::function<void()>& body) {
+  guard(*input.monitor, [&] {
+    accept(input, header);
     body();
   });
+}
+
+void StreamNodelet::accept(Input& input, const std_msgs::Header& header) {
+  InputMonitor& monitor = *input.monitor;
+  const ros::Time now = ros::Time::now();
+  switch (input.stamps) {
+    case Stamps::kAny: monitor.acceptLatched(now); break;
+    case Stamps::kUnordered: monitor.acceptUnordered(header, now); break;
+    case Stamps::kRising:
+      if (monitor.accept(header, now)) break;
+      if (input.options.forget) {
+        monitor.reset();
+        input.options.forget();
+      } else {
+        restart(header.stamp);
+      }
+      monitor.accept(header, now);
+      break;
+  }
 }
 
 }  // namespace radar_dot

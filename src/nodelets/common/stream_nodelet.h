@@ -7,16 +7,18 @@
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
 
-#include <exception>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "nodelets/common/input_monitor.h"
 #include "nodelets/common/log_throttle.h"
+#include "nodelets/common/monitors.h"
 #include "nodelets/common/reconfigure_server.h"
+#include "nodelets/inputs/extrinsics.h"
+#include "nodelets/messages/lazy_image.h"
 #include "radar_dot/config/sections.h"
 
 namespace radar_dot {
@@ -24,116 +26,170 @@ namespace radar_dot {
 class EgoMotion;
 class RecentClouds;
 
-/// What the nodelets of the image half have in common: no message ends the process, every input has a
-/// diagnostic that names its topic and what is wrong with it, and a step back of time resets everything.
+/// How an input differs from one that is always needed.
+struct InputOptions {
+  bool required = true;               ///< false: its silence is no error
+  std::function<bool()> wanted = {};  ///< beside the audience of the nodelet; empty: always
+  /// Forgets what has come, when it is not wanted any more or its stamps restart; empty: a restart of its
+  /// stamps is one of the whole nodelet.
+  std::function<void()> forget = {};
+};
+
+/// What all nodelets have in common: no message ends the process, every input has a diagnostic that names its
+/// topic and what is wrong with it, and a step back of time resets everything.
 ///
-/// All callbacks run one after the other in the nodelet's single-threaded queue.
+/// All callbacks run one after the other in the nodelet's single-threaded queue, the set-up too: nothing is
+/// served before it is complete, in whatever order its parts come. Inputs are declared in the set-up, and are
+/// subscribed only while the outputs have an audience, so that lazy publishers upstream can stop as well.
 class StreamNodelet : public nodelet::Nodelet {
  protected:
+  /// Builds everything: see ConfiguredNodelet.
+  virtual void setUpAll() = 0;
   /// Forgets everything that was received.
   virtual void clearHistory() = 0;
-  /// Adds figures and the nodelet's own verdict to the diagnostic called `what`.
+  /// Adds figures and the nodelet's own verdict to the diagnostic of describe(). Without an audience its
+  /// level and summary are replaced.
   virtual void report(diagnostic_updater::DiagnosticStatusWrapper& status) = 0;
+  /// Has an output subscribers?
+  virtual bool hasAudience() const { return true; }
+  /// Called some times a second while there is an audience: for what waits.
+  virtual void tick() {}
 
-  /// Diagnostics, first of all. @param what  name of the diagnostic of report()
-  void setUp(const std::string& what, const StreamParams& params);
-  /// An input with a diagnostic of its own.
-  InputMonitor& addInput(const std::string& name, bool required = true);
-
-  /// Subscribes an input; messages reach `body` only when their headers are in order. Whatever `body` throws
-  /// becomes a refusal.
-  template <typename Message>
-  ros::Subscriber listen(InputMonitor& input, const std::string& topic, std::uint32_t queue_size,
-                         std::function<void(const boost::shared_ptr<const Message>&)> body) {
-    ros::Subscriber subscriber = getNodeHandle().template subscribe<Message>(
-        topic, queue_size, [this, &input, body](const boost::shared_ptr<const Message>& message) {
-          take(input, message->header, [&] { body(message); });
-        });
-    input.setTopic(subscriber.getTopic());
-    return subscriber;
-  }
-  /// Stamps in any order, as of a topic that several sensors share.
-  template <typename Message>
-  ros::Subscriber listenUnordered(InputMonitor& input, const std::string& topic, std::uint32_t queue_size,
-                                  std::function<void(const boost::shared_ptr<const Message>&)> body) {
-    ros::Subscriber subscriber = getNodeHandle().template subscribe<Message>(
-        topic, queue_size, [this, &input, body](const boost::shared_ptr<const Message>& message) {
-          guard(input, [&] {
-            input.acceptUnordered(message->header, ros::Time::now());
-            body(message);
-          });
-        });
-    input.setTopic(subscriber.getTopic());
-    return subscriber;
+  /// Diagnostics and mounts; first of all in the set-up. @param what  name of the diagnostic of report()
+  void describe(const std::string& what, const std::string& base_frame, const StreamExpectation& expectation);
+  void describe(const std::string& what, const StreamParams& params);
+  /// Of streams with a rate; slower ones than usual are waited for accordingly. @param silent_after  s
+  static StreamExpectation expectationOf(const RateParams& params, double silent_after);
+  void addDiagnostic(const std::string& name,
+                     const std::function<void(diagnostic_updater::DiagnosticStatusWrapper&)>& body) {
+    diagnostics_->add(name, body);
   }
 
-  /// What holds until the next one comes: no order of stamps, no silence.
   template <typename Message>
-  ros::Subscriber subscribeLatched(InputMonitor& input, const std::string& topic,
-                                   std::function<void(const boost::shared_ptr<const Message>&)> body) {
-    ros::Subscriber subscriber = getNodeHandle().template subscribe<Message>(
-        topic, 2, [this, &input, body](const boost::shared_ptr<const Message>& message) {
-          guard(input, [&] {
-            input.acceptLatched(ros::Time::now());
-            body(message);
+  using Body = std::function<void(const boost::shared_ptr<const Message>&)>;
+  enum class Stamps {
+    kRising,
+    kUnordered,  ///< as of a topic that several sensors share
+    kAny,        ///< of what holds until the next one comes: its silence is no error either
+  };
+  /// Declares an input with a diagnostic of its own. Messages reach `body` only when their headers are in
+  /// order; whatever it throws becomes a refusal.
+  template <typename Message>
+  InputMonitor& listen(const std::string& topic, std::uint32_t queue_size, Body<Message> body,
+                       InputOptions options = {}, Stamps stamps = Stamps::kRising) {
+    auto monitor = std::make_unique<InputMonitor>(topic, expectation_, options.required);
+    return *listenAs<Message>("input " + topic, std::move(monitor), topic, queue_size, std::move(body),
+                              std::move(options), stamps);
+  }
+  /// The same with a monitor of your own. @param title  of the diagnostic
+  template <typename Message, typename Monitor>
+  Monitor* listenAs(const std::string& title, std::unique_ptr<Monitor> monitor, const std::string& topic,
+                    std::uint32_t queue_size, Body<Message> body, InputOptions options = {},
+                    Stamps stamps = Stamps::kRising) {
+    Monitor* result = monitor.get();
+    Input& input = addInput(title, std::move(monitor), std::move(options), stamps);
+    input.subscribe = [this, &input, topic, queue_size, body = std::move(body)] {
+      return getNodeHandle().template subscribe<Message>(
+          topic, queue_size, [this, &input, body](const boost::shared_ptr<const Message>& message) {
+            take(input, message->header, [&] { body(message); });
           });
-        });
-    input.setTopic(subscriber.getTopic());
-    return subscriber;
+    };
+    return result;
   }
 
   /// `ego/twist` into `motion`, `camera_info` into `camera`, clouds of any number of sensors into `clouds`:
   /// what several nodelets listen to.
-  ros::Subscriber listenToTwists(InputMonitor& input, EgoMotion& motion);
-  ros::Subscriber listenToCamera(InputMonitor& input, sensor_msgs::CameraInfoConstPtr& camera);
-  ros::Subscriber listenToClouds(InputMonitor& input, const std::string& topic, RecentClouds& clouds);
+  InputMonitor& listenToTwists(EgoMotion& motion, InputOptions options = {});
+  InputMonitor& listenToCamera(sensor_msgs::CameraInfoConstPtr& camera, InputOptions options = {});
+  InputMonitor& listenToClouds(const std::string& topic, RecentClouds& clouds, InputOptions options = {});
+  /// `image` as raw messages, or as compressed ones of `image/compressed`, by the private parameter
+  /// image_transport (raw, compressed).
+  InputMonitor& listenToImages(std::uint32_t queue_size, const std::function<void(LazyImage)>& body,
+                               InputOptions options = {});
+  /// Can a topic of the parameter be subscribed? Reports it if not.
+  bool isTopic(const std::string& topic, const std::string& parameter);
 
-  /// Serves the parameters that can change. @param apply  as of ReconfigureServer
-  template <typename Config>
-  void serve(const GivenConfig<Config>& given, std::function<void(const Config&)> apply) {
-    server_ = std::make_unique<ReconfigureServer<Config>>(getPrivateNodeHandle(), given, std::move(apply));
-  }
+  /// Subscribes what is wanted now, and only that.
+  void updateInputs();
 
-  /// What is wrong with the parameters that can change, for refusals.
-  std::string configurationError() const { return server_ ? server_->error() : std::string(); }
-
-  /// Calls `connect` when `wanted` begins to hold and `disconnect` when it ends, looking some times a second:
-  /// without subscribers the nodelet unsubscribes from its inputs, so that lazy publishers upstream can stop
-  /// too. Comes last in onInit(): both may be called at once. What they throw becomes a reported problem.
-  void connectWhile(const std::function<bool()>& wanted, const std::function<void()>& connect,
-                    const std::function<void()>& disconnect);
-  bool connected() const noexcept { return connected_; }
-  /// Ends a subscription of an input.
-  static void stop(InputMonitor& input, ros::Subscriber& subscriber);
-
+  bool connected() const noexcept { return connected_; }  ///< there is an audience
+  void noteOutput() { last_output_ = ros::WallTime::now(); }
+  /// s since the latest output, or since there is an audience.
+  double withoutOutput() const { return (ros::WallTime::now() - last_output_).toSec(); }
+  const StreamExpectation& expectation() const noexcept { return expectation_; }  ///< of inputs
   /// s without a message, after which something is wrong.
   double silentAfter() const noexcept { return expectation_.silent_after; }
 
   /// Runs `body`; whatever it throws becomes a refusal of the input.
   void guard(InputMonitor& input, const std::function<void()>& body);
-  /// Runs `body`; whatever it throws becomes a reported problem.
-  void attempt(const std::function<void()>& body);
+  /// Resets everything where the clock went back.
+  void checkClock();
   /// What is wrong for as long as the nodelet runs: an error line, and the diagnostic.
   void reportProblem(const std::string& problem);
-  /// The diagnostic alone, of what has been logged already.
-  void noteProblem(const std::string& problem);
   /// One line per subject, kind and five seconds.
   void warn(const std::string& subject, const std::string& text);
 
+  std::unique_ptr<Extrinsics> extrinsics_;         // of the base frame
+  LogThrottle throttle_;                           // of warn()
+  std::unique_ptr<ReconfigureServerBase> server_;  // of the parameters; none before the end of the set-up
+
  private:
-  void take(InputMonitor& input, const std_msgs::Header& header, const std::function<void()>& body);
+  struct Input {
+    std::unique_ptr<InputMonitor> monitor;
+    InputOptions options;
+    Stamps stamps;
+    std::function<ros::Subscriber()> subscribe;
+    bool is_on = false;
+  };
+
+  void onInit() final;
+  void start();
+  void look();
+  Input& addInput(const std::string& title, std::unique_ptr<InputMonitor> monitor, InputOptions options,
+                  Stamps stamps);
+  void switchInput(Input& input, bool on);
+  void take(Input& input, const std_msgs::Header& header, const std::function<void()>& body);
+  void accept(Input& input, const std_msgs::Header& header);
   void restart(const ros::Time& now);
+  /// Runs `body`; whatever it throws becomes a reported problem. @return false: it has thrown
+  bool attempt(const std::function<void()>& body);
   void reportConfiguration(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   StreamExpectation expectation_;
-  std::vector<std::unique_ptr<InputMonitor>> inputs_;
+  std::vector<std::unique_ptr<Input>> inputs_;
   ClockWatch clock_;
-  LogThrottle throttle_;
   std::vector<std::string> problems_;
-  std::unique_ptr<ReconfigureServerBase> server_;  // none: nothing can change
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
-  ros::WallTimer diagnostics_timer_, audience_timer_;
-  bool connected_ = false;
+  ros::WallTimer timer_, diagnostics_timer_;
+  bool started_ = false, complete_ = false, connected_ = false;
+  ros::WallTime last_output_;
+};
+
+/// A nodelet with parameters, which are read before setUp(), and served after it.
+template <typename Config>
+class ConfiguredNodelet : public StreamNodelet {
+ protected:
+  /// Declares outputs and inputs, by what was given.
+  virtual void setUp() = 0;
+  /// Puts valid parameters into force, now and after each change; as of ReconfigureServer.
+  virtual void apply(const Config& config) { config_ = config; }
+  /// Comes last, before the first message: server_ is there.
+  virtual void started() {}
+
+  Config config_;  // in force
+
+ private:
+  void setUpAll() final {
+    const GivenConfig<Config> given = readConfig<Config>(getPrivateNodeHandle());
+    config_ = given.config;
+    setUp();
+    server_ = std::make_unique<ReconfigureServer<Config>>(getPrivateNodeHandle(), given,
+                                                          [this](const Config& config) {
+                                                            apply(config);
+                                                            updateInputs();
+                                                          });
+    started();
+  }
 };
 
 }  // namespace radar_dot

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nodelets/inputs/extrinsics.h"
 
-#include <utility>
+#include <tf2_ros/transform_listener.h>
+
+#include <mutex>
 
 namespace radar_dot {
 namespace {
@@ -10,6 +12,25 @@ namespace {
 // tf2 knows no leading slash; drivers from the days of tf still send it.
 std::string withoutSlash(const std::string& frame) {
   return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
+struct ReceivedTransforms {
+  explicit ReceivedTransforms(const ros::NodeHandle& handle) : listener(buffer, handle, true) {}
+  tf2_ros::Buffer buffer;
+  tf2_ros::TransformListener listener;
+};
+
+/// The buffer of all nodelets of the process that have the same names for the topics of TF, as long as one of
+/// them has it.
+std::shared_ptr<tf2_ros::Buffer> sharedBuffer(const ros::NodeHandle& handle) {
+  static std::mutex mutex;
+  static std::map<std::pair<std::string, std::string>, std::weak_ptr<ReceivedTransforms>> shared;
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::weak_ptr<ReceivedTransforms>& known =
+      shared[{handle.resolveName("/tf"), handle.resolveName("/tf_static")}];
+  std::shared_ptr<ReceivedTransforms> received = known.lock();
+  if (!received) known = received = std::make_shared<ReceivedTransforms>(handle);
+  return {received, &received->buffer};
 }
 
 }  // namespace
@@ -22,15 +43,15 @@ Eigen::Isometry3d isometryOf(const geometry_msgs::Transform& transform) {
   return result;
 }
 
-Extrinsics::Extrinsics(std::string base_frame, const ros::NodeHandle& handle)
-    : base_frame_(withoutSlash(base_frame)), listener_(buffer_, handle, true) {}
+Extrinsics::Extrinsics(const std::string& base_frame, const ros::NodeHandle& handle)
+    : base_frame_(withoutSlash(base_frame)), buffer_(sharedBuffer(handle)) {}
 
 std::optional<Eigen::Isometry3d> Extrinsics::lookup(const std::string& sensor_frame, std::string& error) {
   const std::string frame = withoutSlash(sensor_frame);
   if (frame == base_frame_) return Eigen::Isometry3d::Identity();
   try {
     const Eigen::Isometry3d mount =
-        isometryOf(buffer_.lookupTransform(base_frame_, frame, ros::Time(0)).transform);
+        isometryOf(buffer_->lookupTransform(base_frame_, frame, ros::Time(0)).transform);
     last_[frame] = mount;
     return mount;
   } catch (const tf2::TransformException& exception) {

@@ -50,11 +50,11 @@ void LabelledScans::add(const sensor_msgs::PointCloud2& cloud, ReturnLabel label
   half = std::move(points);
 }
 
-std::vector<LabelledScan> LabelledScans::take(double patience, const Moment& now) {
+std::vector<LabelledScan> LabelledScans::take(double timeout, const Moment& now) {
   std::vector<LabelledScan> ready;
   while (!waiting_.empty()) {
     LabelledScan& front = waiting_.begin()->second;
-    const bool within_timeout = front.arrival.waits(patience, now) && waiting_.size() <= kMaxWaiting;
+    const bool within_timeout = front.arrival.waits(timeout, now) && waiting_.size() <= kMaxWaiting;
     if (!front.complete() && within_timeout) break;
     ros::Time& latest = taken_[front.frame];
     if (front.stamp > latest) latest = front.stamp;

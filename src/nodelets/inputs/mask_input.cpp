@@ -4,78 +4,28 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <utility>
 
 #include "radar_dot/objects/mask_marking.h"
 
 namespace radar_dot {
-namespace {
-
-StreamExpectation expectation() {
-  StreamExpectation expected;
-  expected.rate = 0.0;  // cameras have all rates
-  expected.silent_after = 2.0;
-  return expected;
-}
-
-}  // namespace
-
-MaskInput::MaskInput(ros::NodeHandle& handle, Extrinsics& extrinsics,
-                     std::function<void(const std::string&)> warn)
-    : handle_(handle),
-      extrinsics_(extrinsics),
-      warn_(std::move(warn)),
-      mask_monitor_("dynamic/mask", expectation(), true),
-      camera_monitor_("camera_info", expectation(), true) {}
 
 void MaskInput::configure(const EgoVelocityConfig& config) {
+  enabled_ = config.use_mask;
   max_age_ = config.mask_max_age;
   footprint_ = config.footprint;
   // A mask is late where no scan can use it any more.
-  mask_monitor_.expectMaxAge(max_age_);
-  if (config.use_mask == enabled_) return;
-  enabled_ = config.use_mask;
-  if (enabled_) {
-    subscribe();
-    return;
-  }
-  for (ros::Subscriber* subscriber : {&mask_subscriber_, &camera_subscriber_}) subscriber->shutdown();
-  for (InputMonitor* monitor : {&mask_monitor_, &camera_monitor_}) monitor->setTopic({});
-  forget();
+  masks_.expectMaxAge(max_age_);
 }
 
-void MaskInput::subscribe() {
-  mask_subscriber_ = handle_.subscribe<sensor_msgs::Image>(
-      "dynamic/mask", 2, [this](const sensor_msgs::ImageConstPtr& mask) { onMask(mask); });
-  camera_subscriber_ = handle_.subscribe<sensor_msgs::CameraInfo>(
-      "camera_info", 2, [this](const sensor_msgs::CameraInfoConstPtr& camera) {
-        guard(camera_monitor_, [&] {
-          camera_monitor_.acceptLatched(ros::Time::now());
-          cameraOf(*camera);
-          camera_ = camera;
-        });
-      });
-  mask_monitor_.setTopic(mask_subscriber_.getTopic());
-  camera_monitor_.setTopic(camera_subscriber_.getTopic());
+void MaskInput::setMask(const sensor_msgs::ImageConstPtr& mask) {
+  if (decodedImageOf(mask).pixels.type() != CV_8UC1)
+    throw std::invalid_argument("its encoding is '" + mask->encoding + "', not mono8");
+  mask_ = mask;
 }
 
-void MaskInput::onMask(const sensor_msgs::ImageConstPtr& mask) {
-  guard(mask_monitor_, [&] {
-    if (!mask_monitor_.accept(mask->header, ros::Time::now())) forget();
-    if (decodedImageOf(mask).pixels.type() != CV_8UC1) {
-      throw std::invalid_argument("its encoding is '" + mask->encoding + "', not mono8");
-    }
-    mask_ = mask;
-  });
-}
-
-void MaskInput::guard(InputMonitor& input, const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const std::exception& error) {
-    input.refuse(error.what());
-    warn_("message on '" + input.topic() + "' refused: " + error.what());
-  }
+void MaskInput::setCamera(const sensor_msgs::CameraInfoConstPtr& camera) {
+  cameraOf(*camera);
+  camera_ = camera;
 }
 
 void MaskInput::add(const StampedTwist& velocity) {
@@ -85,8 +35,6 @@ void MaskInput::add(const StampedTwist& velocity) {
 void MaskInput::forget() {
   mask_.reset();
   velocities_.clear();
-  mask_monitor_.reset();
-  camera_monitor_.reset();
 }
 
 void MaskInput::mark(RadarScan& scan) {
@@ -106,7 +54,7 @@ void MaskInput::mark(RadarScan& scan) {
 }
 
 std::string MaskInput::markByLatest(RadarScan& scan) {
-  if (!mask_ || !camera_) return "nothing on '" + (mask_ ? camera_monitor_ : mask_monitor_).topic() + "' yet";
+  if (!mask_ || !camera_) return "nothing on '" + (mask_ ? cameras_ : masks_).topic() + "' yet";
   std::string missing;
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
       extrinsics_.lookup(mask_->header.frame_id, missing);
@@ -114,9 +62,8 @@ std::string MaskInput::markByLatest(RadarScan& scan) {
   const DecodedImage mask = decodedImageOf(mask_);
   const CameraIntrinsics camera = cameraOf(*camera_);
   if (!isGridOf(mask.pixels.size(), {camera.width, camera.height})) {
-    throw std::invalid_argument(
-        "the mask on '" + mask_monitor_.topic() + "' of " + sizeText(mask.pixels.size()) +
-        " px does not have the shape of camera_info on '" + camera_monitor_.topic() + "'");
+    throw std::invalid_argument("the mask on '" + masks_.topic() + "' of " + sizeText(mask.pixels.size()) +
+                                " px does not have the shape of camera_info on '" + cameras_.topic() + "'");
   }
   const StampedMask stamped{mask_->header.stamp.toSec(), mask.pixels,
                             camera.scaledTo(mask.pixels.cols, mask.pixels.rows),

@@ -22,7 +22,7 @@ std::string stampDefect(const ros::Time& stamp, const ros::Time& now);
 /// Sees the ROS clock itself go back, as it does when a bag starts again.
 class ClockWatch {
  public:
-  /// To be told the clock at every message. @return true once per step back.
+  /// Called with the clock at every message. @return true once per step back.
   bool wentBack(const ros::Time& now);
 
  private:

@@ -15,7 +15,7 @@
 
 namespace radar_dot {
 
-/// Where objects are told: the frame of the messages, seen from that of the tracks.
+/// Where objects are published: the frame of the messages, seen from that of the tracks.
 struct FrameOfObjects {
   Eigen::Isometry2d T_frame_from_odom = Eigen::Isometry2d::Identity();
   double height = 0.0;  ///< m, of the base frame's origin in the frame
@@ -24,7 +24,7 @@ struct FrameOfObjects {
 /// What is planar of a pose: x, y and the heading.
 Eigen::Isometry2d planarPose(const Eigen::Isometry3d& pose);
 
-/// A track as it is told to others: position, velocity and covariances turned into the frame.
+/// A track as it is published: position, velocity and covariances turned into the frame.
 /// @param stamp          of the track's state
 /// @param image_max_age  s before `stamp`; a box of an older image is left out
 MovingObject objectMessage(const ObjectTrack& track, const ros::Time& stamp, const FrameOfObjects& frame,

@@ -1,0 +1,32 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <utility>
+
+#include "nodelets/messages/image_messages.h"
+
+namespace radar_dot {
+
+/// A picture that is decoded or converted only when its pixels are asked for.
+class LazyImage {
+ public:
+  explicit LazyImage(sensor_msgs::ImageConstPtr raw) : raw_(std::move(raw)) {}
+  explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed) : compressed_(std::move(compressed)) {}
+
+  const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
+  /// @throws std::invalid_argument as decodedImageOf()
+  const cv::Mat& pixels() {
+    if (!picture_.pixels.empty()) return picture_.pixels;
+    constexpr int kColour = 3;
+    picture_ = raw_ ? decodedImageOf(raw_) : decodedImageOf(*compressed_, kColour);
+    return picture_.pixels;
+  }
+
+ private:
+  sensor_msgs::ImageConstPtr raw_;
+  sensor_msgs::CompressedImageConstPtr compressed_;
+  DecodedImage picture_;
+};
+
+}  // namespace radar_dot

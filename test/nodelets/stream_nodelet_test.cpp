@@ -1,0 +1,176 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What all nodelets have in common, with nodelets in this process.
+#include "nodelets/common/stream_nodelet.h"
+
+#include <gtest/gtest.h>
+#include <nodelet/loader.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+
+#include <atomic>
+#include <optional>
+#include <stdexcept>
+
+#include "live_graph.h"
+#include "vision_world.h"
+
+namespace radar_dot::test {
+namespace {
+
+using sensor_msgs::CameraInfo;
+using sensor_msgs::Image;
+
+constexpr double kPatience = 10.0;  // s
+
+// What was called of a nodelet, and of that what came before its set-up was complete.
+struct Calls {
+  std::atomic<bool> complete{false};
+  std::atomic<int> messages{0}, extras{0}, ticks{0}, reports{0}, early{0};
+  void note(std::atomic<int>& count) {
+    ++count;
+    if (!complete) ++early;
+  }
+};
+
+// Needs longer for its set-up than the diagnostics wait, as with a network to load, and starts its inputs
+// first.
+class SlowNodelet : public ConfiguredNodelet<StreamParams> {
+ public:
+  SlowNodelet(Calls& calls, bool fails) : calls_(calls), fails_(fails) {}
+  static std::atomic<bool> wants_extra;
+
+ private:
+  void setUp() override {
+    describe("slow", config_);
+    publisher_ = getNodeHandle().advertise<Image>("slow/output", 1);
+    const auto listenTo = [this](const char* topic, std::atomic<int>& count, InputOptions options) {
+      listen<CameraInfo>(
+          topic, 1, [this, &count](const sensor_msgs::CameraInfoConstPtr&) { calls_.note(count); },
+          std::move(options), Stamps::kAny);
+    };
+    listenTo("slow/input", calls_.messages, {});
+    listenTo("slow/extra", calls_.extras,
+             {false, [] { return wants_extra.load(); }, [this] { calls_.extras = 0; }});
+    ros::WallDuration(1.2).sleep();
+    if (fails_) throw std::runtime_error("no network");
+    calls_.complete = true;
+  }
+  bool hasAudience() const override { return publisher_.getNumSubscribers() > 0; }
+  void tick() override { calls_.note(calls_.ticks); }
+  void clearHistory() override {}
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status) override {
+    calls_.note(calls_.reports);
+    status.summary(diagnostic_msgs::DiagnosticStatus::OK, "working");
+  }
+
+  Calls& calls_;
+  bool fails_;
+  ros::Publisher publisher_;
+};
+std::atomic<bool> SlowNodelet::wants_extra{false};
+
+class StreamNodeletTest : public ::testing::Test {
+ protected:
+  bool diagnosed(const std::string& name, int level, const std::string& text) const {
+    return waitUntil(
+        [&] {
+          const Diagnostics::Status status = diagnostics_.latest(name);
+          return status.level == level && status.message.find(text) != std::string::npos;
+        },
+        kPatience);
+  }
+
+  ros::NodeHandle handle_;
+  Diagnostics diagnostics_{handle_};
+};
+
+class SlowNodeletTest : public StreamNodeletTest {
+ protected:
+  SlowNodeletTest() {
+    SlowNodelet::wants_extra = false;
+    // Both wait before the nodelet is loaded.
+    for (const char* topic : {"slow/input", "slow/extra"})
+      inputs_.push_back(handle_.advertise<CameraInfo>(topic, 1, true));
+    for (const ros::Publisher& input : inputs_) input.publish(CameraInfo());
+  }
+  void load(bool fails) {
+    fails_ = fails;
+    ASSERT_TRUE(loader_.load("/slow", "slow", {}, {}));
+  }
+
+  Calls calls_;
+  bool fails_ = false;
+  std::vector<ros::Publisher> inputs_;
+  std::optional<Recorder<Image>> output_{std::in_place, handle_, "slow/output"};
+  nodelet::Loader loader_{[this](const std::string&) {
+    return boost::shared_ptr<nodelet::Nodelet>(new SlowNodelet(calls_, fails_));
+  }};
+};
+
+TEST_F(SlowNodeletTest, NothingIsServedBeforeTheSetUpIsComplete) {
+  load(false);
+  EXPECT_TRUE(
+      waitUntil([this] { return calls_.messages > 0 && calls_.ticks > 0 && calls_.reports > 0; }, kPatience))
+      << calls_.messages << " messages, " << calls_.ticks << " ticks, " << calls_.reports << " reports";
+  EXPECT_EQ(calls_.early, 0);
+  EXPECT_TRUE(diagnosed("slow: slow", diagnostic_msgs::DiagnosticStatus::OK, "working"));
+}
+
+TEST_F(SlowNodeletTest, AnOptionalInputIsSubscribedWhileItIsWanted) {
+  load(false);
+  ASSERT_TRUE(waitUntil([this] { return calls_.messages > 0; }, kPatience));
+  EXPECT_EQ(calls_.extras, 0);
+  EXPECT_EQ(inputs_[1].getNumSubscribers(), 0U);
+  SlowNodelet::wants_extra = true;
+  EXPECT_TRUE(waitUntil([this] { return calls_.extras > 0; }, kPatience));
+  SlowNodelet::wants_extra = false;
+  EXPECT_TRUE(waitUntil([this] { return inputs_[1].getNumSubscribers() == 0; }, kPatience));
+  EXPECT_EQ(calls_.extras, 0) << "what came of it is forgotten";
+  EXPECT_EQ(inputs_[0].getNumSubscribers(), 1U);
+  output_.reset();
+  EXPECT_TRUE(waitUntil([this] { return inputs_[0].getNumSubscribers() == 0; }, kPatience));
+  EXPECT_TRUE(diagnosed("slow: slow", diagnostic_msgs::DiagnosticStatus::OK, "idle: no subscribers"));
+}
+
+TEST_F(SlowNodeletTest, ASetUpThatFailsIsReportedAndNothingIsServed) {
+  load(true);
+  EXPECT_TRUE(diagnosed("slow: slow", diagnostic_msgs::DiagnosticStatus::ERROR, "no network"));
+  EXPECT_EQ(calls_.messages + calls_.ticks + calls_.reports, 0);
+}
+
+TEST_F(StreamNodeletTest, DepthServesASubscriberThatWaited) {
+  const Recorder<Image> depths(handle_, "depth");
+  tf2_ros::StaticTransformBroadcaster broadcaster;
+  broadcaster.sendTransform(VisionWorld::mount());
+  ros::Publisher camera = handle_.advertise<CameraInfo>("camera_info", 1, true);
+  camera.publish(VisionWorld::cameraInfo(ros::Time::now()));
+  ros::Publisher images = handle_.advertise<Image>("image", 1);
+  nodelet::Loader loader(false);
+  ASSERT_TRUE(loader.load("/depth", "radar_dot/Depth", {}, {}));
+  EXPECT_TRUE(waitUntil(
+      [&] {
+        images.publish(VisionWorld::image(ros::Time::now(), 0.0));
+        return depths.count() > 0;
+      },
+      kPatience));
+}
+
+TEST(Extrinsics, NodeletsOfAProcessShareOneBuffer) {
+  const ros::NodeHandle handle, other("other"), renamed("", {{"/tf", "/elsewhere/tf"}});
+  Extrinsics first("base_link", handle), second("rear_axle", other), third("base_link", renamed);
+  EXPECT_EQ(&first.buffer(), &second.buffer());
+  EXPECT_NE(&first.buffer(), &third.buffer()) << "it listens to another topic";
+}
+
+}  // namespace
+}  // namespace radar_dot::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "stream_nodelet_test");
+  ros::AsyncSpinner spinner(1);
+  ros::NodeHandle keep_alive;
+  spinner.start();
+  return RUN_ALL_TESTS();
+}
