@@ -239,7 +239,7 @@ void VelocityEvaluationOptions::describe(FieldList& fields) {
   describeRadarChannels(radar_channels, fields);
   fields.add("mount_yaw_correction", mount_yaw_corrections,
              "Added to the yaw of mounts, as in RADAR_FRONT=-0.0111,RADAR_BACK_LEFT=0.0094", "rad");
-  fields.add("filter_radars", ego_velocity.filter_radars,
+  fields.add("filter_radars", filter_radars,
              "The filter takes the velocity of each radar alone; otherwise the joint estimates");
   fields.group("Masks");
   masks.describe(fields);

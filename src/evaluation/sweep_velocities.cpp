@@ -75,7 +75,10 @@ std::vector<SceneSweep> assembleSweeps(const RadarScene& scene, const SweepParam
 
 SweepRunner::SweepRunner(const dataset::Tables& tables, dataset::Index index, const RadarScene& scene,
                          const VelocityEvaluationOptions& options)
-    : config_(options.ego_velocity), sweeps_(assembleSweeps(scene, config_.sweep)), estimator_(config_) {
+    : config_(options.ego_velocity), sweeps_(assembleSweeps(scene, config_.sweep)) {
+  SweepEstimatorParams params = config_;
+  params.filter_radars = options.filter_radars;
+  estimator_.configure(params);
   if (!options.masks.directory.empty())
     masks_.emplace(tables, index, options.masks.directory, options.masks.channel, options.masks.delay);
 }

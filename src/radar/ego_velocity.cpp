@@ -28,6 +28,9 @@ struct EgoVelocityEstimator::Workspace {
     bool usable;  ///< finite; else the row is zero and takes no part
   };
 
+  explicit Workspace(const EgoVelocityParams& parameters) : params(parameters) { validate(params); }
+
+  const EgoVelocityParams params;
   std::vector<Row> rows;
   ConstraintSystem all;              ///< every accepted return, the model's own parameters
   ConstraintSystem active;           ///< returns that may be static, reduced to the observed directions
@@ -45,24 +48,22 @@ struct EgoVelocityEstimator::Workspace {
     return {
         Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), Eigen::Vector2f::Zero(), 0.F, 0.F, false, false};
   }
-  void stack(const EgoVelocityParams& params, const std::vector<RadarScan>& scans, double reference_time,
-             const Eigen::Vector3d& acceleration);
-  void setVariance(const EgoVelocityParams& params, const Parameters& solution);
-  bool solvePass(const EgoVelocityParams& params, const ConstraintSystem& system, bool consensus,
-                 Parameters& solution);
-  EstimateStatus solve(const EgoVelocityParams& params, Observability& observability, Parameters& reduced);
+  void stack(const std::vector<RadarScan>& scans, double reference_time, const Eigen::Vector3d& acceleration);
+  void setVariance(const Parameters& solution);
+  bool solvePass(const ConstraintSystem& system, bool consensus, Parameters& solution);
+  EstimateStatus solve(Observability& observability, Parameters& reduced);
   EstimateStatus noConsensus(std::size_t agreeing, double within);
   EstimateStatus singular();
-  void finish(const EgoVelocityParams& params, const Observability& observability, const Parameters& reduced);
-  Eigen::Matrix3d reducedCovariance(const EgoVelocityParams& params, double threshold, double widening);
-  void label(const EgoVelocityParams& params);
+  void finish(const Observability& observability, const Parameters& reduced);
+  Eigen::Matrix3d reducedCovariance(double threshold, double widening);
+  void label();
   /// Nothing is known: zero velocity, every axis with unobserved_variance.
-  void clearVelocity(const EgoVelocityParams& params);
-  void refuse(const EgoVelocityParams& params, EstimateStatus status);
+  void clearVelocity();
+  void refuse(EstimateStatus status);
 
   static void gather(const ConstraintSystem& from, const std::vector<std::size_t>& which,
                      ConstraintSystem& to);
-  static double inlierThreshold(const EgoVelocityParams& params) {
+  double inlierThreshold() const {
     return params.solver == Solver::kLeastSquares ? params.segmentation.threshold : params.inlier_threshold;
   }
 };
@@ -79,8 +80,7 @@ void EgoVelocityEstimator::Workspace::gather(const ConstraintSystem& from,
   }
 }
 
-void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params,
-                                            const std::vector<RadarScan>& scans, double reference_time,
+void EgoVelocityEstimator::Workspace::stack(const std::vector<RadarScan>& scans, double reference_time,
                                             const Eigen::Vector3d& acceleration) {
   rows.clear();
   lever_arm = 0.0;
@@ -129,8 +129,7 @@ void EgoVelocityEstimator::Workspace::stack(const EgoVelocityParams& params,
 }
 
 /// A bearing that is off by delta shifts the Doppler by delta times the speed across the line of sight.
-void EgoVelocityEstimator::Workspace::setVariance(const EgoVelocityParams& params,
-                                                  const Parameters& solution) {
+void EgoVelocityEstimator::Workspace::setVariance(const Parameters& solution) {
   const ModelAxes model = axesOf(params.model);
   Eigen::Vector3f linear = Eigen::Vector3f::Zero();
   float yaw_rate = 0.F;
@@ -150,8 +149,7 @@ void EgoVelocityEstimator::Workspace::setVariance(const EgoVelocityParams& param
   }
 }
 
-bool EgoVelocityEstimator::Workspace::solvePass(const EgoVelocityParams& params,
-                                                const ConstraintSystem& system, bool consensus,
+bool EgoVelocityEstimator::Workspace::solvePass(const ConstraintSystem& system, bool consensus,
                                                 Parameters& solution) {
   if (params.solver == Solver::kLeastSquares) return solveLeastSquares(system, solution, scratch);
   if (!consensus) return refineRobust(system, params.robust_iterations, solution, scratch);
@@ -164,8 +162,7 @@ bool EgoVelocityEstimator::Workspace::solvePass(const EgoVelocityParams& params,
          solveInliers(system, params.inlier_threshold, solution, scratch);
 }
 
-EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& params,
-                                                      Observability& observability, Parameters& reduced) {
+EstimateStatus EgoVelocityEstimator::Workspace::solve(Observability& observability, Parameters& reduced) {
   result.return_count = indices.size();
   if (indices.size() < static_cast<std::size_t>(params.min_returns)) return EstimateStatus::kTooFewReturns;
 
@@ -185,9 +182,9 @@ EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& p
   };
 
   const bool robust = params.solver == Solver::kRansacRobust;
-  if (!solvePass(params, active, true, reduced)) return singular();
-  setVariance(params, fullSolution());
-  if (robust && !solvePass(params, active, false, reduced)) return singular();
+  if (!solvePass(active, true, reduced)) return singular();
+  setVariance(fullSolution());
+  if (robust && !solvePass(active, false, reduced)) return singular();
   if (!params.two_pass) return EstimateStatus::kOk;
 
   // The paper's second pass: only returns whose residual lies below tau.
@@ -201,8 +198,7 @@ EstimateStatus EgoVelocityEstimator::Workspace::solve(const EgoVelocityParams& p
     return noConsensus(subset.size(), params.segmentation.threshold);
   if (subset.size() == active.rows && params.solver != Solver::kRansac) return EstimateStatus::kOk;
   gather(active, subset, pass);
-  return solvePass(params, pass, !robust, reduced) ? EstimateStatus::kOk
-                                                   : EstimateStatus::kDegenerateBearings;
+  return solvePass(pass, !robust, reduced) ? EstimateStatus::kOk : EstimateStatus::kDegenerateBearings;
 }
 
 EstimateStatus EgoVelocityEstimator::Workspace::noConsensus(std::size_t agreeing, double within) {
@@ -222,8 +218,7 @@ EstimateStatus EgoVelocityEstimator::Workspace::singular() {
 ///     widening I^-1  +  scan_std^2 I^-1 (sum over scans g g') I^-1,   g = A' W 1 over the scan,
 /// the second term for an error common to the returns of a scan. `widening` is above 1 where the
 /// residuals exceed the noise model. Free directions follow with unobserved_variance.
-Eigen::Matrix3d EgoVelocityEstimator::Workspace::reducedCovariance(const EgoVelocityParams& params,
-                                                                   double threshold, double widening) {
+Eigen::Matrix3d EgoVelocityEstimator::Workspace::reducedCovariance(double threshold, double widening) {
   const int rank = active.parameters;
   Eigen::Matrix3d information = inlierInformation(active, residuals, threshold, scratch);
   for (int k = rank; k < 3; ++k) information(k, k) = 1.0;
@@ -248,14 +243,13 @@ Eigen::Matrix3d EgoVelocityEstimator::Workspace::reducedCovariance(const EgoVelo
   return covariance;
 }
 
-void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
-                                             const Observability& observability, const Parameters& reduced) {
+void EgoVelocityEstimator::Workspace::finish(const Observability& observability, const Parameters& reduced) {
   const int rank = active.parameters;
   const ModelAxes model = axesOf(params.model);
   evaluateResiduals(active, reduced, residuals);
   double sum = 0.0;
   double chi_squared = 0.0;
-  const double threshold = inlierThreshold(params);
+  const double threshold = inlierThreshold();
   for (std::size_t i = 0; i < active.rows; ++i) {
     const double e = static_cast<double>(residuals[i]);
     if (std::abs(e) >= threshold) continue;
@@ -267,7 +261,7 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
 
   const double freedom = static_cast<double>(result.inlier_count) - rank;
   const double widening = freedom > 0.0 ? std::max(1.0, chi_squared / freedom) : 1.0;
-  const Eigen::Matrix3d reduced_covariance = reducedCovariance(params, threshold, widening);
+  const Eigen::Matrix3d reduced_covariance = reducedCovariance(threshold, widening);
   const Eigen::Matrix3d basis = removeTrails(observability.basis, rank, model.count);
   const Parameters solution =
       leastSideslipMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
@@ -297,7 +291,7 @@ void EgoVelocityEstimator::Workspace::finish(const EgoVelocityParams& params,
   }
 }
 
-void EgoVelocityEstimator::Workspace::label(const EgoVelocityParams& params) {
+void EgoVelocityEstimator::Workspace::label() {
   // Where a static return stands at the reference time: it moves by -(v + w x p) in the base frame.
   positions.resize(rows.size());
   const Eigen::Vector2f v = result.linear.head<2>().cast<float>();
@@ -313,7 +307,7 @@ void EgoVelocityEstimator::Workspace::label(const EgoVelocityParams& params) {
   }
 }
 
-void EgoVelocityEstimator::Workspace::refuse(const EgoVelocityParams& params, EstimateStatus status) {
+void EgoVelocityEstimator::Workspace::refuse(EstimateStatus status) {
   result.status = status;
   switch (status) {
     case EstimateStatus::kOk:
@@ -326,12 +320,12 @@ void EgoVelocityEstimator::Workspace::refuse(const EgoVelocityParams& params, Es
                                   result.return_count, std::string(toString(params.model)));
       break;
   }
-  clearVelocity(params);
+  clearVelocity();
   result.residuals.clear();
   result.labels.clear();
 }
 
-void EgoVelocityEstimator::Workspace::clearVelocity(const EgoVelocityParams& params) {
+void EgoVelocityEstimator::Workspace::clearVelocity() {
   result.linear.setZero();
   result.angular.setZero();
   result.covariance = Eigen::Matrix<double, 6, 6>::Identity() * params.unobserved_variance;
@@ -339,13 +333,13 @@ void EgoVelocityEstimator::Workspace::clearVelocity(const EgoVelocityParams& par
   result.fully_observed = false;
 }
 
-EgoVelocityEstimator::EgoVelocityEstimator(EgoVelocityParams params)
-    : params_(std::move(params)), workspace_(std::make_unique<Workspace>()) {
-  validate(params_);
-}
+EgoVelocityEstimator::EgoVelocityEstimator(const EgoVelocityParams& params)
+    : workspace_(std::make_unique<Workspace>(params)) {}
 EgoVelocityEstimator::~EgoVelocityEstimator() = default;
 EgoVelocityEstimator::EgoVelocityEstimator(EgoVelocityEstimator&&) noexcept = default;
 EgoVelocityEstimator& EgoVelocityEstimator::operator=(EgoVelocityEstimator&&) noexcept = default;
+
+const EgoVelocityParams& EgoVelocityEstimator::params() const noexcept { return workspace_->params; }
 
 EgoVelocityResult EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans, double reference_time,
                                                  const Eigen::Vector3d& acceleration) {
@@ -359,19 +353,19 @@ void EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans, double 
   Workspace& w = *workspace_;
   w.result = std::move(result);
   w.result.reason.clear();
-  w.clearVelocity(params_);
+  w.clearVelocity();
   w.result.condition_number = w.result.rms = 0.0;
   w.result.return_count = w.result.inlier_count = w.result.dynamic_count = 0;
 
-  w.stack(params_, scans, reference_time, acceleration);
+  w.stack(scans, reference_time, acceleration);
   Observability observability;
   Parameters reduced = Parameters::Zero();
-  w.result.status = w.solve(params_, observability, reduced);
-  if (w.result.valid()) w.finish(params_, observability, reduced);
+  w.result.status = w.solve(observability, reduced);
+  if (w.result.valid()) w.finish(observability, reduced);
   if (w.result.valid()) {
-    w.label(params_);
+    w.label();
   } else {
-    w.refuse(params_, w.result.status);
+    w.refuse(w.result.status);
   }
   result = std::move(w.result);
 }

@@ -234,11 +234,6 @@ VelocityFilter::Measurement VelocityFilter::measurementOf(const SensorVelocity& 
 }
 
 VelocityFilter::Outcome VelocityFilter::update(double time, const Eigen::Vector3d& velocity,
-                                               const Eigen::Matrix3d& covariance) {
-  return update(time, velocity, covariance, {});
-}
-
-VelocityFilter::Outcome VelocityFilter::update(double time, const Eigen::Vector3d& velocity,
                                                const Eigen::Matrix3d& covariance,
                                                const std::vector<SensorVelocity>& sensors) {
   if (!acceptsTime(time) || !velocity.allFinite() || !covariance.allFinite()) return Outcome::kStale;

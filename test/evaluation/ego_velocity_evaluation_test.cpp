@@ -73,7 +73,7 @@ TEST_F(Evaluation, TheFilterFollowsExactRadar) {
   VelocityEvaluationOptions options;
   options.ego_velocity.filter = true;
   for (const bool by_radar : {true, false}) {
-    options.ego_velocity.filter_radars = by_radar;
+    options.filter_radars = by_radar;
     for (const char* scene : {NuscenesFixture::kStraightScene, NuscenesFixture::kTurningScene}) {
       const VelocityReport report = evaluate(scene, options);
       EXPECT_EQ(report.filter_rejected, 0U) << scene;

@@ -31,6 +31,7 @@ struct VelocityEvaluationOptions {
   EgoVelocityConfig ego_velocity;
   std::vector<std::string> radar_channels;
   std::vector<std::string> mount_yaw_corrections;  ///< "CHANNEL=RAD", instead of those in `radars`
+  bool filter_radars = true;
   LabelParams labels;
   /// The returns of a scan in the newest mask at or before it are known to move. They are brought to the time
   /// of the mask with the velocity estimated last.

@@ -142,7 +142,7 @@ struct RadarScan {
   Span<const DopplerReturn> returns;
   Eigen::Isometry3d T_base_from_sensor = Eigen::Isometry3d::Identity();
   double time = 0.0;      ///< s, the scan's own stamp
-  std::size_t radar = 0;  ///< number of the radar, the same in all sweeps; for sensorVelocities alone
+  std::size_t radar = 0;  ///< number of the radar, the same in all sweeps
   /// By return: nonzero = known to move (from an image mask), kept out of the estimate and labelled dynamic.
   /// What is missing at the end, or everything, is not known.
   std::vector<std::uint8_t> known_dynamic = {};
@@ -219,7 +219,7 @@ struct EgoVelocityResult {
 class EgoVelocityEstimator {
  public:
   /// @throws std::invalid_argument naming the invalid parameter.
-  explicit EgoVelocityEstimator(EgoVelocityParams params = {});
+  explicit EgoVelocityEstimator(const EgoVelocityParams& params = {});
   ~EgoVelocityEstimator();
   EgoVelocityEstimator(EgoVelocityEstimator&&) noexcept;
   EgoVelocityEstimator& operator=(EgoVelocityEstimator&&) noexcept;
@@ -235,11 +235,10 @@ class EgoVelocityEstimator {
   EgoVelocityResult estimate(const std::vector<RadarScan>& scans, double reference_time,
                              const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero());
 
-  const EgoVelocityParams& params() const noexcept { return params_; }
+  const EgoVelocityParams& params() const noexcept;
 
  private:
   struct Workspace;
-  EgoVelocityParams params_;
   std::unique_ptr<Workspace> workspace_;
 };
 

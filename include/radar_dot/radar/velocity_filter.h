@@ -39,12 +39,13 @@ struct VelocityFilterParams {
     fields.add("yaw_jerk", yaw_jerk,
                "Change of the centripetal acceleration per second: bounds the yaw acceleration at high speed",
                "m/s^3", positive);
-    fields.add("yaw_acceleration_time", yaw_acceleration_time, "Correlation time of the yaw acceleration", "s",
-               {0.01, 100.0});
-    fields.add("lateral_slip_std", lateral_slip_std,
-               "1 sigma of the slip angle of base_frame, which must be at the rear axle; 0: vy is not assumed to "
-               "be small",
-               "rad", {0.0, 1.0});
+    fields.add("yaw_acceleration_time", yaw_acceleration_time, "Correlation time of the yaw acceleration",
+               "s", {0.01, 100.0});
+    fields.add(
+        "lateral_slip_std", lateral_slip_std,
+        "1 sigma of the slip angle of base_frame, which must be at the rear axle; 0: vy is not assumed to "
+        "be small",
+        "rad", {0.0, 1.0});
     fields.add("lateral_slip_time", lateral_slip_time, "Correlation time of the slip", "s", {0.01, 100.0});
     fields.add("mount_yaw_std", mount_yaw_std,
                "1 sigma of the yaw error of each mount, which the filter learns; 0: mounts are exact", "rad",
@@ -52,8 +53,8 @@ struct VelocityFilterParams {
     fields.add("error_correlation_time", error_correlation_time,
                "Correlation time of measurement errors (successive sweeps see the same objects)", "s",
                {0.0, 10.0});
-    fields.add("max_rejected", max_rejected, "Updates in a row outside the gate, after which the filter resets",
-               "", {1, 100});
+    fields.add("max_rejected", max_rejected,
+               "Updates in a row outside the gate, after which the filter resets", "", {1, 100});
     fields.add("max_filter_gap", max_gap, "Time without an update, after which the filter resets", "s",
                {0.01, 60.0});
   }
@@ -106,12 +107,10 @@ class VelocityFilter {
   explicit VelocityFilter(const VelocityFilterParams& params = {});
 
   /// A velocity [vx, vy, w] at `time` (s) and its covariance.
-  Outcome update(double time, const Eigen::Vector3d& velocity, const Eigen::Matrix3d& covariance);
-
-  /// The radars of one sweep, each at its own time, which may precede the update before by a little. The
-  /// joint estimate starts the filter and is not used otherwise, unless there are no sensor velocities.
+  /// @param sensors  the radars of the sweep, each at its own time, which may precede the update before by a
+  ///                 little; with them the joint estimate only starts the filter
   Outcome update(double time, const Eigen::Vector3d& velocity, const Eigen::Matrix3d& covariance,
-                 const std::vector<SensorVelocity>& sensors);
+                 const std::vector<SensorVelocity>& sensors = {});
 
   /// The same of an estimate of EgoVelocityEstimator, whatever its motion model.
   Outcome update(double time, const EgoVelocityResult& result, const std::vector<SensorVelocity>& sensors);
