@@ -125,7 +125,7 @@ void OverlayNodelet::onMask(const sensor_msgs::ImageConstPtr& mask) {
   const ros::WallTime now = ros::WallTime::now();
   if (config_.max_rate > 0.0 && (now - last_drawn_).toSec() < 1.0 / config_.max_rate) return;
   last_drawn_ = now;
-  waiting_.push_back({mask, now});
+  waiting_.push_back({mask, Moment::now()});
   processQueue();
 }
 
