@@ -6,11 +6,6 @@
 #include <cmath>
 
 namespace radar_dot {
-namespace {
-
-constexpr double kResetAfter = 1.0;  // s
-
-}  // namespace
 
 StampedPose interpolate(const StampedPose& from, const StampedPose& to, double time) {
   const double share = (time - from.time) / (to.time - from.time);
@@ -26,16 +21,10 @@ StampedPose interpolate(const StampedPose& from, const StampedPose& to, double t
   return result;
 }
 
-SampleOutcome PoseBuffer::add(const StampedPose& sample) {
-  SampleOutcome outcome = SampleOutcome::kAdded;
-  if (!samples_.empty() && sample.time <= samples_.back().time) {
-    if (samples_.back().time - sample.time <= kResetAfter) return SampleOutcome::kStale;
-    samples_.clear();
-    outcome = SampleOutcome::kReset;
-  }
+void PoseBuffer::add(const StampedPose& sample) {
+  if (!samples_.empty() && sample.time <= samples_.back().time) return;
   samples_.push_back(sample);
   while (samples_.size() > capacity_ || sample.time - samples_.front().time > duration_) samples_.pop_front();
-  return outcome;
 }
 
 std::optional<StampedPose> PoseBuffer::at(double time) const {

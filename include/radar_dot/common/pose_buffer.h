@@ -25,13 +25,6 @@ struct StampedPose {
 /// Linear in position, spherical linear in rotation; beyond the two poses at the same velocities.
 StampedPose interpolate(const StampedPose& from, const StampedPose& to, double time);
 
-/// What became of a sample that was added to a buffer.
-enum class SampleOutcome {
-  kAdded,
-  kStale,  ///< not later than the one before: left out
-  kReset,  ///< time went back by more than a second: all earlier samples are forgotten
-};
-
 /// The latest poses of a source, interpolated to any time they enclose.
 class PoseBuffer {
  public:
@@ -40,7 +33,8 @@ class PoseBuffer {
   explicit PoseBuffer(double duration = 5.0, std::size_t capacity = 10000, double max_gap = 0.5)
       : duration_(duration), capacity_(capacity), max_gap_(max_gap) {}
 
-  SampleOutcome add(const StampedPose& sample);
+  /// Later than all before; else it is left out.
+  void add(const StampedPose& sample);
   /// Interpolated; none outside the samples.
   std::optional<StampedPose> at(double time) const;
   /// Time of the latest sample, s.
