@@ -87,7 +87,7 @@ class LidarDepth : public DepthEstimator {
     cv::Mat inverse = inverseOf(
         projectedDepth(input.lidar_points, input.camera, input.T_base_from_camera, params_.max_depth));
     const int width = inverse.cols;
-    const int largest = std::max(3, oddPixels(params_.completion_kernel, width));
+    const int largest = std::max(3, oddPixels(params_.lidar.completion_kernel, width));
     // Along the beam first, whose points are close; then from beam to beam.
     spread(inverse, cv::Size(std::min(largest, oddPixels(kBeamStep, width)), 3));
     bridgeColumns(inverse, largest);
@@ -103,8 +103,8 @@ class LidarDepth : public DepthEstimator {
         projectedDepth(input.lidar_points, input.camera, input.T_base_from_camera, params_.max_depth);
     cv::Mat distance;  // px, to the nearest point; no point: far
     cv::distanceTransform(~(points == points), distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-    const auto at_point = static_cast<float>(params_.lidar_std);
-    const auto per_pixel = static_cast<float>(params_.completion_std * kImageWidth / depth.cols);
+    const auto at_point = static_cast<float>(params_.lidar.point_std);
+    const auto per_pixel = static_cast<float>(params_.lidar.completion_std * kImageWidth / depth.cols);
     cv::Mat stds = constantStd(depth, 0.0);
     for (int row = 0; row < depth.rows; ++row) {
       const float* apart = distance.ptr<float>(row);

@@ -11,7 +11,6 @@
 #include "ground_ray.h"
 #include "motion_images.h"
 #include "radar_dot/common/stamped_twist.h"
-#include "radar_dot/vision/depth_estimator.h"
 
 namespace radar_dot {
 namespace {

@@ -117,7 +117,7 @@ class RadarGroundDepth : public DepthEstimator {
  public:
   explicit RadarGroundDepth(const DepthParams& params) : params_(params) {}
 
-  DepthNeeds needs() const override { return {params_.image_edges, true, false}; }
+  DepthNeeds needs() const override { return {params_.radar_ground.image_edges, true, false}; }
 
   cv::Mat estimate(const DepthInput& input) override { return drawn(input, false).depth; }
 
@@ -151,37 +151,39 @@ class RadarGroundDepth : public DepthEstimator {
 
   Layers drawn(const DepthInput& input, bool with_stds) const {
     Layers layers;
-    layers.depth = groundDepth(input.camera, input.T_base_from_camera, params_.ground.height,
-                               params_.ground.pitch, params_.max_depth);
+    layers.depth = groundDepth(input.camera, input.T_base_from_camera, params_.radar_ground.ground.height,
+                               params_.radar_ground.ground.pitch, params_.max_depth);
     if (with_stds) {
-      layers.stds = groundRelativeStd(input.camera, input.T_base_from_camera, params_.ground);
+      layers.stds = groundRelativeStd(input.camera, input.T_base_from_camera, params_.radar_ground.ground);
     }
     std::vector<Column> columns = columnsOf(input);
-    if (params_.image_edges && !input.image.empty()) {
+    if (params_.radar_ground.image_edges && !input.image.empty()) {
       const ColumnEdges edges(input.image, layers.depth.size());
       for (Column& column : columns) column = edges.bounded(column);
     }
-    if (params_.background_depth > 0.0) fillBackground(input.camera, columns, layers);
+    if (params_.radar_ground.background_depth > 0.0) fillBackground(input.camera, columns, layers);
     for (const Column& column : columns) draw(column, layers);
     return layers;
   }
 
   std::vector<Column> columnsOf(const DepthInput& input) const {
     const Eigen::Isometry3d T_camera_from_base = input.T_base_from_camera.inverse();
-    const double slope = std::tan(params_.ground.pitch);
+    const double slope = std::tan(params_.radar_ground.ground.pitch);
     std::vector<Column> columns;
     for (const Eigen::Vector3f& point : input.radar_points) {
       if (!point.allFinite()) continue;
       // A planar radar knows no height: the column stands on the ground.
       const double x = static_cast<double>(point.x());
       const double y = static_cast<double>(point.y());
-      const double ground = params_.ground.height + slope * x;
+      const double ground = params_.radar_ground.ground.height + slope * x;
       const Eigen::Vector3d foot = T_camera_from_base * Eigen::Vector3d(x, y, ground);
-      const Eigen::Vector3d head = T_camera_from_base * Eigen::Vector3d(x, y, ground + params_.column_height);
+      const Eigen::Vector3d head =
+          T_camera_from_base * Eigen::Vector3d(x, y, ground + params_.radar_ground.column_height);
       if (!(foot.z() > kNearest) || !(head.z() > kNearest) || foot.z() > params_.max_depth) continue;
       const Eigen::Vector2d bottom = input.camera.project(foot);
       const Eigen::Vector2d top = input.camera.project(head);
-      const double half_width = std::max(params_.column_half_width, params_.azimuth_std * std::hypot(x, y));
+      const double half_width = std::max(params_.radar_ground.column_half_width,
+                                         params_.radar_ground.azimuth_std * std::hypot(x, y));
       const double half_pixels = input.camera.fx * half_width / foot.z();
       columns.push_back({bottom.x(), bottom.x() - half_pixels, bottom.x() + half_pixels, top.y(), bottom.y(),
                          static_cast<float>(foot.z())});
@@ -194,11 +196,11 @@ class RadarGroundDepth : public DepthEstimator {
   void fillBackground(const CameraIntrinsics& camera, const std::vector<Column>& columns,
                       Layers& layers) const {
     const cv::Mat& depth = layers.depth;
-    const double reach = params_.background_angle * camera.fx;  // px
+    const double reach = params_.radar_ground.background_angle * camera.fx;  // px
     std::vector<float> background(static_cast<std::size_t>(depth.cols));
     for (int u = 0; u < depth.cols; ++u) {
       double weight = kPriorWeight;
-      double inverse = kPriorWeight / params_.background_depth;
+      double inverse = kPriorWeight / params_.radar_ground.background_depth;
       for (const Column& column : columns) {
         const double distance = (u - column.u) / reach;
         if (std::abs(distance) > 4.0) continue;
@@ -208,7 +210,7 @@ class RadarGroundDepth : public DepthEstimator {
       }
       background[static_cast<std::size_t>(u)] = static_cast<float>(weight / inverse);
     }
-    const auto relative_std = static_cast<float>(params_.background_std);
+    const auto relative_std = static_cast<float>(params_.radar_ground.background_std);
     for (int row = 0; row < depth.rows; ++row) {
       const Layers::Row pixels = layers.row(row);
       for (int u = 0; u < depth.cols; ++u)
@@ -225,7 +227,7 @@ class RadarGroundDepth : public DepthEstimator {
     const int right = clamped(column.right + 1.0, depth.cols);
     const int top = clamped(column.top, depth.rows);
     const int bottom = clamped(column.bottom + 1.0, depth.rows);
-    const auto relative_std = static_cast<float>(params_.column_std);
+    const auto relative_std = static_cast<float>(params_.radar_ground.column_std);
     for (int row = top; row < bottom; ++row) {
       const Layers::Row pixels = layers.row(row);
       for (int u = left; u < right; ++u) pixels.show(u, column.depth, relative_std);

@@ -54,8 +54,8 @@ TEST(RadarGround, ReturnsStandUpright) {
   DepthInput in = input();
   in.radar_points = {{21.0F, 0.0F, 9.0F}, {11.0F, -4.0F, 0.5F}};  // 20 m and 10 m before the camera
   DepthParams params;
-  params.background_depth = 0.0;
-  params.column_height = 3.5;
+  params.radar_ground.background_depth = 0.0;
+  params.radar_ground.column_height = 3.5;
   const cv::Mat depth = makeDepthEstimator(params)->estimate(in);
   EXPECT_FLOAT_EQ(depth.at<float>(100, 200), 20.0F);
   EXPECT_FLOAT_EQ(depth.at<float>(130, 200), 20.0F);           // its foot
@@ -78,8 +78,8 @@ TEST(RadarGround, BackgroundComesNearerWhereRadarSeesSomething) {
   DepthInput in = input();
   in.radar_points = {{11.0F, -4.0F, 0.5F}};
   DepthParams params;
-  params.background_depth = 60.0;
-  params.background_angle = 0.06;
+  params.radar_ground.background_depth = 60.0;
+  params.radar_ground.background_angle = 0.06;
   const cv::Mat depth = makeDepthEstimator(params)->estimate(in);
   EXPECT_NEAR(depth.at<float>(5, 20), 60.0, 0.5);
   EXPECT_NEAR(depth.at<float>(106, 20), 60.0, 0.5);   // ground at 100 m is behind it
@@ -95,13 +95,13 @@ TEST(RadarGround, ColumnsEndAtEdgesOfTheImage) {
   in.image = cv::Mat(kCamera.height, kCamera.width, CV_8UC3, cv::Scalar::all(60));
   in.image(cv::Rect(cv::Point(190, 90), cv::Point(218, 131))).setTo(cv::Scalar::all(200));
   DepthParams params;
-  params.background_depth = 0.0;
+  params.radar_ground.background_depth = 0.0;
   const auto known = [&](int v, int u) {
     return makeDepthEstimator(params)->estimate(in).at<float>(v, u) == 20.0F;
   };
   EXPECT_TRUE(known(105, 184));
   EXPECT_FALSE(known(92, 200));
-  params.image_edges = true;
+  params.radar_ground.image_edges = true;
   EXPECT_FALSE(known(105, 186));
   EXPECT_TRUE(known(105, 193));
   EXPECT_TRUE(known(105, 215));
@@ -207,7 +207,7 @@ TEST(LidarDepth, WideGapsStayOpen) {
   DepthParams params;
   params.backend = "lidar";
   EXPECT_TRUE(std::isnan(makeDepthEstimator(params)->estimate(in).at<float>(130, 200)));
-  params.completion_kernel = 199;  // 49 px here
+  params.lidar.completion_kernel = 199;  // 49 px here
   EXPECT_TRUE(std::isnan(makeDepthEstimator(params)->estimate(in).at<float>(130, 200)));
 }
 
@@ -231,7 +231,7 @@ TEST(DepthEstimator, SaysWhatItLooksAt) {
   DepthParams params;
   EXPECT_TRUE(makeDepthEstimator(params)->needs().radar);
   EXPECT_FALSE(makeDepthEstimator(params)->needs().image);
-  params.image_edges = true;
+  params.radar_ground.image_edges = true;
   EXPECT_TRUE(makeDepthEstimator(params)->needs().image);
   params.backend = "lidar";
   EXPECT_TRUE(makeDepthEstimator(params)->needs().lidar);
@@ -247,7 +247,7 @@ TEST(DepthEstimator, RefusalsSayWhatIsWrong) {
   params.backend = "stereo";
   expect(params, "radar_ground");
   params = {};
-  params.column_height = -1.0;
+  params.radar_ground.column_height = -1.0;
   expect(params, "column_height");
   params = {};
   params.backend = "lidar";

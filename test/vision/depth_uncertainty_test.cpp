@@ -92,10 +92,10 @@ TEST(GroundRelativeStd, LevelCamera) {
 struct Street {
   Street() {
     in.radar_points = {{21.0F, 0.0F, 0.5F}};
-    params.column_std = 0.25;
-    params.background_std = 0.75;
-    params.ground.uncertainty.pitch_std = 0.01;
-    params.ground.uncertainty.relative_std = 0.05;
+    params.radar_ground.column_std = 0.25;
+    params.radar_ground.background_std = 0.75;
+    params.radar_ground.ground.uncertainty.pitch_std = 0.01;
+    params.radar_ground.ground.uncertainty.relative_std = 0.05;
   }
   cv::Mat depth() const { return makeDepthEstimator(params)->estimate(in); }
   cv::Mat stds() const { return makeDepthEstimator(params)->relativeStd(in, depth()); }
@@ -121,7 +121,7 @@ TEST(RadarGroundStd, EverySurfaceHasItsOwn) {
 // The borders that the image moved are those of its uncertainty: a patch twice as high as the column.
 TEST(RadarGroundStd, FollowsColumnsThatTheImageMoved) {
   Street street;
-  street.params.image_edges = true;
+  street.params.radar_ground.image_edges = true;
   street.in.image = cv::Mat(301, 401, CV_8UC1, cv::Scalar(100));
   street.in.image(cv::Rect(182, 76, 37, 54)).setTo(255);
   const cv::Mat depth = street.depth(), stds = street.stds();
@@ -132,7 +132,7 @@ TEST(RadarGroundStd, FollowsColumnsThatTheImageMoved) {
 
 TEST(RadarGroundStd, UnknownWhereTheDepthIs) {
   Street street;
-  street.params.background_depth = 0.0;
+  street.params.radar_ground.background_depth = 0.0;
   cv::Mat depth = street.depth();
   depth(cv::Rect(0, 250, 50, 20)).setTo(kNaN);  // cleaned away meanwhile
   const cv::Mat stds = makeDepthEstimator(street.params)->relativeStd(street.in, depth);
@@ -152,9 +152,9 @@ TEST(LidarStd, GrowsAwayFromThePoints) {
       in.lidar_points.push_back((mount() * (25.0 * kCamera.rayOf(u, v))).cast<float>());
   DepthParams params;
   params.backend = "lidar";
-  params.completion_kernel = 60;
-  params.lidar_std = 0.02;
-  params.completion_std = 0.005;
+  params.lidar.completion_kernel = 60;
+  params.lidar.point_std = 0.02;
+  params.lidar.completion_std = 0.005;
   const auto estimator = makeDepthEstimator(params);
   const cv::Mat depth = estimator->estimate(in);
   const cv::Mat stds = estimator->relativeStd(in, depth);
@@ -194,7 +194,7 @@ TEST(DepthEstimator, DeclaresAConstantWhereItSaysNothing) {
 
 TEST(DepthUncertainty, InvalidParametersAreRefusedByName) {
   DepthParams params;
-  params.column_std = std::nan("");
+  params.radar_ground.column_std = std::nan("");
   test::expectRefusal<InvalidParameter>([&] { makeDepthEstimator(params); }, {"column_std"});
 }
 

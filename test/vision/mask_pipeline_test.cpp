@@ -82,12 +82,12 @@ TEST(MaskPipeline, RemembersThePreviousMask) {
   MaskPipelineParams params = Drive::params();
   params.memory = 10.0;
   MaskPipeline pipeline(params);
-  const MaskOutcome outcome = secondOf(pipeline);
+  const MaskOutcome outcome = secondOf(pipeline, 0.0F);
   EXPECT_FALSE(outcome.looked_back);
   EXPECT_GT(cv::countNonZero(outcome.result.mask(kPatch)), kPatch.area() / 4);
   params.memory = 0.01;
   MaskPipeline forgetful(params);
-  EXPECT_EQ(cv::countNonZero(secondOf(forgetful).result.mask), 0);
+  EXPECT_EQ(cv::countNonZero(secondOf(forgetful, 0.0F).result.mask), 0);
 }
 
 // Flow from the later image to the earlier leads to the previous mask by itself.
@@ -143,7 +143,7 @@ TEST(MaskPipeline, OnlyWhatChangesScoresEndsTheHistory) {
     params.look_back = true;
     MaskPipeline pipeline(params);
     change(params);
-    return secondOf(pipeline, [&] { pipeline.configure(params); }).looked_back;
+    return secondOf(pipeline, 10.0F, [&] { pipeline.configure(params); }).looked_back;
   };
   const std::vector<Change> scores = {
       [](MaskPipelineParams& p) { p.motion.paper.k = 8.0; },

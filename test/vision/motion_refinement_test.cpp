@@ -227,7 +227,7 @@ TEST(RefineInput, TheGroundOfTheSecondImageTurnsWithTheMotion) {
   input.T_current_from_previous = motion;  // without a covariance it stays
   input.next_depth = groundDepth(kCamera, mount(), 0.0, 0.0, kFar);
   refineInput(input, flat(), kFar);
-  const cv::Mat expected = groundDepth(kCamera, mount(), 0.0, -kNoseDown, kFar);
+  const cv::Mat expected = groundDepth(kCamera, mount(), 0.0, kNoseDown, kFar);
   for (const int row : {150, 180, 220})
     EXPECT_NEAR(input.next_depth.at<float>(row, 200) / expected.at<float>(row, 200), 1.0, 0.01) << row;
 }

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "radar_dot/common/fields.h"
-#include "radar_dot/common/radar_noise.h"
 #include "radar_dot/vision/camera_intrinsics.h"
-#include "radar_dot/vision/ground_params.h"
+#include "radar_dot/vision/lidar_depth.h"
 #include "radar_dot/vision/network_params.h"
+#include "radar_dot/vision/radar_ground_depth.h"
 #include "radar_dot/vision/shared_fields.h"
 
 namespace radar_dot {
@@ -37,28 +37,13 @@ struct DepthNeeds {
 /// The backend that draws the ground plane.
 inline constexpr const char* kRadarGroundBackend = "radar_ground";
 
-/// Parameters of makeDepthEstimator; a backend ignores what it does not know.
+/// Parameters of makeDepthEstimator: which backend, and what each takes.
 struct DepthParams {
   std::string backend = kRadarGroundBackend;
   double max_depth = 120.0;
   double relative_std = 0.1;
-  // radar_ground
-  GroundParams ground;
-  double column_height = 1.6;
-  double column_half_width = 0.9;
-  double azimuth_std = RadarNoise{}.azimuth_std;
-  // Heights between 0.6 and 2 times, widths between 0.4 and 1.6 times the expected one. Without an image
-  // there is nothing to move to.
-  bool image_edges = false;
-  double background_depth =
-      40.0;  // of what is above the horizon and in no column; hides the ground behind it
-  double background_angle = 0.1;
-  double column_std = 0.35;
-  double background_std = 0.5;
-  // lidar: sigma^2 = lidar_std^2 + (completion_std px)^2. Beams of a 32-beam lidar are 30 px apart.
-  int completion_kernel = 40;
-  double lidar_std = 0.005;
-  double completion_std = 0.0012;
+  RadarGroundParams radar_ground;
+  LidarParams lidar;
   NetworkParams network;  ///< torch: with JustDepth's signature, see just_depth.h
 
   void describe(FieldList& fields) {
@@ -74,28 +59,9 @@ struct DepthParams {
         "1 sigma of the inverse depth, relative, of sources that do not know it better (torch, topic, files)",
         "", {1e-6, 10.0});
     fields.group("RadarGround");
-    ground.describe(fields);
-    fields.add("column_height", column_height, "Height of the upright column that a return stands for", "m",
-               {0.1, 100.0});
-    fields.add("column_half_width", column_half_width, "Lower limit of the half width of the column", "m",
-               {0.01, 100.0});
-    describeAzimuthStd(azimuth_std, fields);
-    fields.add("image_edges", image_edges, "Move the borders of columns to edges of the image");
-    fields.add("background_depth", background_depth,
-               "Depth above the horizon where the radar sees nothing; 0: unknown", "m", {0.0, 10000.0});
-    fields.add("background_angle", background_angle,
-               "1 sigma of the angle over which columns pull the background nearer", "rad", {0.001, 3.2});
-    fields.add("column_std", column_std, "1 sigma of the inverse depth in columns, relative", "",
-               {1e-6, 10.0});
-    fields.add("background_std", background_std, "1 sigma of the inverse depth of the background, relative",
-               "", {1e-6, 10.0});
+    radar_ground.describe(fields);
     fields.group("Lidar");
-    fields.add("completion_kernel", completion_kernel,
-               "Largest gap between points that is filled, at 1600 px image width", "px", {1, 199});
-    fields.add("lidar_std", lidar_std, "1 sigma of the inverse depth at a point, relative", "", {1e-6, 10.0});
-    fields.add("completion_std", completion_std,
-               "In addition, relative, for each px to the nearest point at 1600 px image width", "1/px",
-               {0.0, 10.0});
+    lidar.describe(fields);
     fields.group("Network");
     fields.add("depth_model", network.model,
                "TorchScript file of export_justdepth.py, for depth_backend torch");
@@ -135,24 +101,6 @@ using DepthEstimatorFactory = std::function<std::unique_ptr<DepthEstimator>(cons
 void registerDepthEstimator(const std::string& backend, DepthEstimatorFactory factory);
 /// Names of the backends at hand, sorted.
 std::vector<std::string> depthBackends();
-
-/// Depth of the ground plane (z = height in the base frame, turned by pitch about the base's y axis): NaN at
-/// and above the horizon and beyond max_depth.
-cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
-                    double height, double pitch, double max_depth);
-
-/// 1 sigma of the inverse depth rho of the ground plane as share of it, CV_32FC1: NaN at and above the
-/// horizon.
-///
-/// With h the height of the camera above the plane straight below it, c_x the camera's place ahead of the
-/// base frame's origin, d the ray of a pixel in the base frame (1 m along the optical axis) and s =
-/// tan(pitch),
-///     rho = (s d_x - d_z) / h,    drho/dheight = rho / h,
-///     drho/dpitch = (1 + s^2) (d_x + rho c_x) / h.
-/// So the share that the height adds is the same everywhere, height_std / h; that of the pitch grows with the
-/// distance ahead, about distance / h. Both and relative_std are independent of each other.
-cv::Mat groundRelativeStd(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
-                          const GroundParams& ground);
 
 /// Depth of points seen by the camera, the nearest where several fall on one pixel; NaN elsewhere.
 cv::Mat projectedDepth(const std::vector<Eigen::Vector3f>& points_base, const CameraIntrinsics& camera,

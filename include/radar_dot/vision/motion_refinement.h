@@ -8,7 +8,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 
-#include "radar_dot/vision/depth_estimator.h"
+#include "radar_dot/vision/ground_plane.h"
 #include "radar_dot/vision/motion_segmentation.h"
 
 namespace radar_dot {

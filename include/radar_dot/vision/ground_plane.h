@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
+#include <opencv2/core/mat.hpp>
+
 #include "radar_dot/common/fields.h"
+#include "radar_dot/vision/camera_intrinsics.h"
 
 namespace radar_dot {
 
@@ -33,5 +37,23 @@ struct GroundParams {
     uncertainty.describe(fields);
   }
 };
+
+/// Depth of the ground plane (z = height in the base frame, turned by pitch about the base's y axis): NaN at
+/// and above the horizon and beyond max_depth.
+cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
+                    double height, double pitch, double max_depth);
+
+/// 1 sigma of the inverse depth rho of the ground plane as share of it, CV_32FC1: NaN at and above the
+/// horizon.
+///
+/// With h the height of the camera above the plane straight below it, c_x the camera's place ahead of the
+/// base frame's origin, d the ray of a pixel in the base frame (1 m along the optical axis) and s =
+/// tan(pitch),
+///     rho = (s d_x - d_z) / h,    drho/dheight = rho / h,
+///     drho/dpitch = (1 + s^2) (d_x + rho c_x) / h.
+/// So the share that the height adds is the same everywhere, height_std / h; that of the pitch grows with the
+/// distance ahead, about distance / h. Both and relative_std are independent of each other.
+cv::Mat groundRelativeStd(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
+                          const GroundParams& ground);
 
 }  // namespace radar_dot
