@@ -50,12 +50,12 @@ void LabelledScans::add(const sensor_msgs::PointCloud2& cloud, ReturnLabel label
   half = std::move(points);
 }
 
-std::vector<LabelledScan> LabelledScans::take(double timeout) {
+std::vector<LabelledScan> LabelledScans::take(double patience) {
   std::vector<LabelledScan> ready;
   const ros::WallTime now = ros::WallTime::now();
   while (!waiting_.empty()) {
     LabelledScan& front = waiting_.begin()->second;
-    const bool within_timeout = (now - front.arrival).toSec() < timeout && waiting_.size() <= kMaxWaiting;
+    const bool within_timeout = (now - front.arrival).toSec() < patience && waiting_.size() <= kMaxWaiting;
     if (!front.complete() && within_timeout) break;
     ros::Time& latest = taken_[front.frame];
     if (front.stamp > latest) latest = front.stamp;

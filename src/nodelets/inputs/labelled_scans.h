@@ -39,8 +39,8 @@ class LabelledScans {
   ///         already, or that is older than one of its radar that was
   void add(const sensor_msgs::PointCloud2& cloud, ReturnLabel label);
   /// The scans that are complete, in the order of their stamps, up to the first that still waits. One that
-  /// has waited longer than `timeout` (s, wall time) goes as it is.
-  std::vector<LabelledScan> take(double timeout);
+  /// has waited longer than `patience` (s, wall time) goes as it is.
+  std::vector<LabelledScan> take(double patience);
   /// True when no scan waits: a sweep is complete.
   bool empty() const noexcept { return waiting_.empty(); }
   void clear();
