@@ -13,6 +13,7 @@
 #include "nodelets/messages/refined_twist.h"
 #include "radar_dot/vision/motion_refinement.h"
 #include "radar_dot/vision/rigid_motion.h"
+#include "vision/resize_nearest.h"
 
 namespace radar_dot {
 namespace {
@@ -287,7 +288,7 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
                                   " px does not have the shape of the camera's image of " + sizeText(image) +
                                   " px");
     }
-    return resizedNearest(depth, grid);
+    return resizeNearest(depth, grid);
   };
   motion.depth = place(radar_dot::depthOf(*inputs.depth), *depth_input_);
   if (inputs.next_depth) motion.next_depth = place(radar_dot::depthOf(*inputs.next_depth), *depth_input_);

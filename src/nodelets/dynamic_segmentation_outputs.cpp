@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "nodelets/dynamic_segmentation_nodelet.h"
+#include "vision/resize_nearest.h"
 
 namespace radar_dot {
 namespace {
@@ -34,9 +35,9 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MotionResul
                        static_cast<int>(inputs.flow->image_height));
   const cv::Size size = config_.full_size ? image : result.mask.size();
   if (mask_publisher_.getNumSubscribers() > 0)
-    mask_publisher_.publish(imageMessage(header, "mono8", resizedNearest(result.mask, size)));
+    mask_publisher_.publish(imageMessage(header, "mono8", resizeNearest(result.mask, size)));
   if (valid_publisher_.getNumSubscribers() > 0)
-    valid_publisher_.publish(imageMessage(header, "mono8", resizedNearest(result.valid, size)));
+    valid_publisher_.publish(imageMessage(header, "mono8", resizeNearest(result.valid, size)));
   if (score_publisher_.getNumSubscribers() > 0)
     score_publisher_.publish(imageMessage(header, "32FC1", result.score));
   const bool wants_residual = residual_publisher_.getNumSubscribers() > 0;
