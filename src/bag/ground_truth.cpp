@@ -8,10 +8,8 @@
 #include <cstdint>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
-#include <string_view>
 
 #include "radar_dot/bag/messages.h"
-#include "rows.h"
 
 namespace radar_dot::bag {
 namespace {
@@ -66,14 +64,9 @@ BaseTwist differentiate(const TimedPose& from, const TimedPose& now, const Timed
   return twist;
 }
 
-bool endsWith(std::string_view text, std::string_view end) {
-  return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
-}
-
 bool moves(const Tables& tables, const dataset::SampleAnnotation& annotation) {
   return std::any_of(annotation.attributes.begin(), annotation.attributes.end(), [&tables](Index index) {
-    const std::string& name = at(tables.attributes, index).name;
-    return endsWith(name, ".moving") || name == "cycle.with_rider";
+    return dataset::isMovingAttribute(at(tables.attributes, index).name);
   });
 }
 

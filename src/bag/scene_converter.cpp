@@ -14,7 +14,6 @@
 #include "radar_dot/bag/messages.h"
 #include "radar_dot/dataset/file_bytes.h"
 #include "radar_dot/dataset/point_files.h"
-#include "rows.h"
 #include "scene_content.h"
 
 namespace radar_dot::bag {
