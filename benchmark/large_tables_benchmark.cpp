@@ -17,6 +17,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "radar_dot/common/random_stream.h"
 #include "radar_dot/dataset/tables.h"
 #include "tools/command_line.h"
 
@@ -33,16 +34,11 @@ const std::vector<std::string> kChannels = {"CAM_FRONT",         "CAM_FRONT_LEFT
                                             "RADAR_FRONT",       "LIDAR_TOP",       "RADAR_FRONT_LEFT",
                                             "RADAR_FRONT_RIGHT", "RADAR_BACK_LEFT", "RADAR_BACK_RIGHT"};
 
-/// Distinct tokens that look like random ones (SplitMix64 is a bijection).
+/// Distinct tokens that look like random ones (mixBits is a bijection).
 std::string token(std::uint64_t kind, std::uint64_t number) {
-  std::uint64_t halves[2] = {(kind << 40) + number, (kind << 40) + number + (std::uint64_t{1} << 62)};
-  for (std::uint64_t& half : halves) {
-    half += 0x9e3779b97f4a7c15ULL;
-    half = (half ^ (half >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    half = (half ^ (half >> 27)) * 0x94d049bb133111ebULL;
-    half ^= half >> 31;
-  }
-  return fmt::format("{:016x}{:016x}", halves[0], halves[1]);
+  const std::uint64_t row = (kind << 40) + number;
+  return fmt::format("{:016x}{:016x}", radar_dot::mixBits(row),
+                     radar_dot::mixBits(row + (std::uint64_t{1} << 62)));
 }
 enum Kind : std::uint64_t { kSensor = 1, kCalibration, kLog, kScene, kSample, kReading, kPose };
 

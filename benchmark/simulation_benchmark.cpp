@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "radar_dot/simulation/camera_sensor.h"
-#include "radar_dot/simulation/ground_truth.h"
 #include "radar_dot/simulation/lidar_sensor.h"
-#include "radar_dot/simulation/radar_sensor.h"
 #include "radar_dot/simulation/scenario.h"
+#include "simulation/sensors/ground_truth.h"
+#include "simulation/sensors/radar_sensor.h"
 
 namespace {
 

@@ -4,11 +4,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstdlib>
-#include <cstring>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -28,22 +25,6 @@ rosbag::CompressionType toRosbag(Compression compression) {
     case Compression::kBz2: return rosbag::compression::BZ2;
   }
   throw std::invalid_argument("compression: neither none, lz4 nor bz2");
-}
-
-/// The descriptor under which this process holds the file, or -1.
-int findDescriptor(const fs::path& file) {
-  struct stat wanted {};
-  if (::stat(file.c_str(), &wanted) != 0) return -1;
-  std::error_code error;
-  for (fs::directory_iterator entry("/proc/self/fd", error), end; !error && entry != end;
-       entry.increment(error)) {
-    const int descriptor = std::atoi(entry->path().filename().c_str());
-    struct stat found {};
-    if (::fstat(descriptor, &found) == 0 && found.st_ino == wanted.st_ino && found.st_dev == wanted.st_dev) {
-      return descriptor;
-    }
-  }
-  return -1;
 }
 
 /// Waits until the disk holds the file (or folder). @return 0 or the error number
@@ -120,25 +101,17 @@ std::uintmax_t BagFile::commit() {
 }
 
 void BagFile::abandon() noexcept {
-  // rosbag writes the index when it closes, also from its destructor, where a failing write would
-  // end the process. What it still has to write goes where every write succeeds.
-  if (const int descriptor = bag_ ? findDescriptor(partial_) : -1; descriptor >= 0) {
-    if (const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC); null >= 0) {
-      ::dup2(null, descriptor);
-      ::close(null);
-    }
+  try {
+    if (bag_) bag_->close();
+  } catch (...) {
+    // rosbag closes the bag in its destructor as well, where failing once more would end the process: leaking
+    // it is the lesser evil. Its file is emptied, since an open one holds its place on the disk after it is
+    // removed.
+    static_cast<void>(bag_.release());
   }
-  if (bag_) {
-    try {
-      bag_->close();
-    } catch (...) {
-      // A compressed stream that failed once never closes. Leaking it, without the file, is the
-      // lesser evil: the bag's destructor would throw.
-      static_cast<void>(bag_.release());
-    }
-    bag_.reset();
-  }
+  bag_.reset();
   std::error_code ignored;
+  fs::resize_file(partial_, 0, ignored);
   fs::remove(partial_, ignored);
 }
 

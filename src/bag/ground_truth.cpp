@@ -8,12 +8,10 @@
 #include <cstdint>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
-#include <string_view>
 
 #include "radar_dot/bag/messages.h"
 #include "radar_dot/common/pose_buffer.h"
 #include "radar_dot/common/stamps.h"
-#include "rows.h"
 
 namespace radar_dot::bag {
 namespace {
@@ -37,14 +35,9 @@ std::vector<StampedPose> relativePoses(const Tables& tables, const std::vector<I
   return relative;
 }
 
-bool endsWith(std::string_view text, std::string_view end) {
-  return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
-}
-
 bool moves(const Tables& tables, const dataset::SampleAnnotation& annotation) {
   return std::any_of(annotation.attributes.begin(), annotation.attributes.end(), [&tables](Index index) {
-    const std::string& name = at(tables.attributes, index).name;
-    return endsWith(name, ".moving") || name == "cycle.with_rider";
+    return dataset::isMovingAttribute(at(tables.attributes, index).name);
   });
 }
 

@@ -12,8 +12,6 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "rows.h"
-
 namespace radar_dot::bag {
 namespace {
 

@@ -8,16 +8,12 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
-#include <cerrno>
-#include <cstdio>
-#include <memory>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "radar_dot/bag/messages.h"
+#include "radar_dot/dataset/file_bytes.h"
 #include "radar_dot/dataset/point_files.h"
-#include "rows.h"
 #include "scene_content.h"
 
 namespace radar_dot::bag {
@@ -28,27 +24,6 @@ using dataset::Index;
 using dataset::Tables;
 
 constexpr char kNodeName[] = "/nuscenes_to_bag";
-
-[[noreturn]] void failReading(const fs::path& file, int cause) {
-  throw dataset::DatasetError(
-      fmt::format("cannot read {}: {}", file.string(), std::generic_category().message(cause)));
-}
-
-std::uintmax_t sizeOf(const fs::path& file) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(file, error);
-  if (error) failReading(file, error.value());
-  return size;
-}
-
-void readBytes(const fs::path& file, std::vector<std::uint8_t>& bytes) {
-  bytes.resize(sizeOf(file));
-  errno = 0;
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
-  if (!stream || std::fread(bytes.data(), 1, bytes.size(), stream.get()) != bytes.size()) {
-    failReading(file, errno != 0 ? errno : EIO);
-  }
-}
 
 /// `<folder>/<scene>.bag`. The name comes from a file: it must not lead out of the folder.
 fs::path bagPath(const Tables& tables, Index scene, const fs::path& folder) {
@@ -95,7 +70,6 @@ class SceneWriter {
   const Tables& tables_;
   const SceneContent& content_;
   BagFile& bag_;
-  sensor_msgs::CompressedImage image_;  // its memory serves all pictures
   std::size_t readings_ = 0;
   std::size_t radar_files_ = 0;
   std::uintmax_t sensor_bytes_ = 0;
@@ -156,17 +130,18 @@ void SceneWriter::writeCloud(const dataset::SampleData& reading, PointCloud&& cl
                              const std::string& frame) {
   const ros::Time stamp = toTime(reading.timestamp_us);
   bag_.write("/" + frame, stamp, toPointCloud2(std::move(cloud), frame, stamp));
-  sensor_bytes_ += sizeOf(tables_.path(reading));
+  sensor_bytes_ += fs::file_size(tables_.path(reading));
 }
 
 void SceneWriter::writeImage(const dataset::SampleData& reading, const std::string& frame) {
   const fs::path file = tables_.path(reading);
-  image_.header.stamp = toTime(reading.timestamp_us);
-  image_.header.frame_id = frame;
-  image_.format = file.extension() == ".png" ? "png" : "jpeg";
-  readBytes(file, image_.data);
-  bag_.write("/" + frame + "/image/compressed", image_.header.stamp, image_);
-  sensor_bytes_ += image_.data.size();
+  sensor_msgs::CompressedImage image;
+  image.header.stamp = toTime(reading.timestamp_us);
+  image.header.frame_id = frame;
+  image.format = file.extension() == ".png" ? "png" : "jpeg";
+  image.data = dataset::readBytes(file);
+  bag_.write("/" + frame + "/image/compressed", image.header.stamp, image);
+  sensor_bytes_ += image.data.size();
 }
 
 void SceneWriter::writeCameraInfo(const dataset::SampleData& reading, const std::string& frame) {

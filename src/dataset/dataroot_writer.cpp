@@ -17,8 +17,8 @@
 
 #include "json_table_writer.h"
 #include "new_token.h"
+#include "radar_dot/dataset/file_bytes.h"
 #include "radar_dot/dataset/tables.h"
-#include "radar_dot/dataset/write_bytes.h"
 #include "scene_checks.h"
 #include "scene_rows.h"
 #include "staged_folder.h"

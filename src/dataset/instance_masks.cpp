@@ -36,9 +36,9 @@ std::filesystem::path maskFile(const Tables& tables) {
 
 /// One side of {"size": [rows, columns]}.
 int sideOf(const Record& record, const JsonValue& side) {
-  if (!side.isNumber() || !(side.number() >= 1.0 && side.number() <= kMaxSide))
+  if (!side.IsNumber() || !(side.GetDouble() >= 1.0 && side.GetDouble() <= kMaxSide))
     record.fail(kMask, fmt::format("must have a size of two numbers in 1..{}", kMaxSide));
-  return static_cast<int>(side.number());
+  return static_cast<int>(side.GetDouble());
 }
 
 /// Run lengths as plain numbers.
@@ -46,10 +46,10 @@ RunLengthMask plainRunLengths(const Record& record, const JsonValue& counts, int
   RunLengthMask mask{rows, columns, {}};
   std::uint64_t sum = 0;
   const auto area = static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>(columns);
-  for (const JsonValue& run : counts.items()) {
-    if (!run.isNumber() || !(run.number() >= 0.0 && run.number() <= static_cast<double>(area)))
+  for (const JsonValue& run : counts.GetArray()) {
+    if (!run.IsNumber() || !(run.GetDouble() >= 0.0 && run.GetDouble() <= static_cast<double>(area)))
       record.fail(kMask, "has a run length that does not fit its size");
-    mask.counts.push_back(static_cast<std::uint32_t>(run.number()));
+    mask.counts.push_back(static_cast<std::uint32_t>(run.GetDouble()));
     sum += mask.counts.back();
   }
   if (sum != area)
@@ -58,18 +58,17 @@ RunLengthMask plainRunLengths(const Record& record, const JsonValue& counts, int
 }
 
 RunLengthMask runLengthsOf(const Record& record, const JsonValue& value) {
-  JsonValue size = value;
-  JsonValue counts = value;
-  if (!value.member("size", size) || !value.member("counts", counts))
+  if (!value.HasMember("size") || !value.HasMember("counts"))
     record.fail(kMask, "has a part without size or counts");
-  const std::vector<JsonValue> sides = size.items();
-  if (sides.size() != 2) record.fail(kMask, "must have a size of two numbers");
-  const int rows = sideOf(record, sides[0]);
-  const int columns = sideOf(record, sides[1]);
-  if (counts.isList()) return plainRunLengths(record, counts, rows, columns);
-  if (!counts.isText()) record.fail(kMask, "must have counts that are a text or a list of numbers");
+  const JsonValue& size = value["size"];
+  const JsonValue& counts = value["counts"];
+  if (!size.IsArray() || size.Size() != 2) record.fail(kMask, "must have a size of two numbers");
+  const int rows = sideOf(record, size[0U]);
+  const int columns = sideOf(record, size[1U]);
+  if (counts.IsArray()) return plainRunLengths(record, counts, rows, columns);
+  if (!counts.IsString()) record.fail(kMask, "must have counts that are a text or a list of numbers");
   try {
-    return parseRunLengths(counts.text(), rows, columns);
+    return parseRunLengths(textOf(counts), rows, columns);
   } catch (const std::invalid_argument& error) {
     record.fail(kMask, fmt::format("cannot be decoded: {}", error.what()));
   }
@@ -77,11 +76,11 @@ RunLengthMask runLengthsOf(const Record& record, const JsonValue& value) {
 
 Polygon polygonOf(const Record& record, const JsonValue& value) {
   Polygon polygon;
-  for (const JsonValue& number : value.items()) {
-    if (!number.isNumber() || !(std::abs(number.number()) <= kMaxSide))
+  for (const JsonValue& number : value.GetArray()) {
+    if (!number.IsNumber() || !(std::abs(number.GetDouble()) <= kMaxSide))
       record.fail(kMask,
                   fmt::format("has a polygon with a coordinate that is no number within +-{}", kMaxSide));
-    polygon.push_back(number.number());
+    polygon.push_back(number.GetDouble());
   }
   if (polygon.size() < kMinPolygonNumbers || polygon.size() % 2 != 0)
     record.fail(kMask, fmt::format("has a polygon of {} numbers; x y pairs of 3 or more corners are needed",
@@ -90,17 +89,18 @@ Polygon polygonOf(const Record& record, const JsonValue& value) {
 }
 
 void readMask(const Record& record, InstanceMask& row) {
-  const JsonValue value = record.value(kMask);
-  if (!value.isObject() && !value.isList())
+  const JsonValue& value = record.value(kMask);
+  if (!value.IsObject() && !value.IsArray())
     record.fail(kMask, "must be run lengths {size, counts}, a list of those or a list of polygons");
-  const std::vector<JsonValue> parts = value.isList() ? value.items() : std::vector<JsonValue>{value};
+  const bool is_list = value.IsArray();
   std::vector<RunLengthMask> runs;
   std::vector<Polygon> polygons;
-  for (const JsonValue& part : parts) {
-    if (part.isObject())
-      runs.push_back(runLengthsOf(record, part));
-    else if (part.isList())
-      polygons.push_back(polygonOf(record, part));
+  for (const JsonValue* part = is_list ? value.Begin() : &value; part != (is_list ? value.End() : &value + 1);
+       ++part) {
+    if (part->IsObject())
+      runs.push_back(runLengthsOf(record, *part));
+    else if (part->IsArray())
+      polygons.push_back(polygonOf(record, *part));
     else
       record.fail(kMask, "must hold run lengths {size, counts} or polygons");
     if (!runs.empty() &&

@@ -120,14 +120,14 @@ class TableLoader {
   }
 
   static std::optional<Eigen::Matrix3d> cameraMatrix(const Record& record, std::size_t field) {
-    const std::vector<JsonValue> rows = record.list(field);
-    if (rows.empty()) return std::nullopt;
+    const JsonValue::ConstArray rows = record.list(field);
+    if (rows.Empty()) return std::nullopt;
     Eigen::Matrix3d matrix;
-    for (std::size_t i = 0; i < 9; ++i) {
-      const std::vector<JsonValue> row = rows.size() == 3 ? rows[i / 3].items() : std::vector<JsonValue>{};
-      if (row.size() != 3 || !row[i % 3].isNumber())
+    for (unsigned i = 0; i < 9; ++i) {
+      if (rows.Size() != 3 || !rows[i / 3].IsArray() || rows[i / 3].Size() != 3 ||
+          !rows[i / 3][i % 3].IsNumber())
         record.fail(field, "must be empty or 3 lists of 3 numbers");
-      matrix(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) = row[i % 3].number();
+      matrix(i / 3, i % 3) = rows[i / 3][i % 3].GetDouble();
     }
     return matrix;
   }

@@ -28,11 +28,6 @@ std::pair<Pairs::const_iterator, Pairs::const_iterator> rangeOf(const Pairs& pai
 }
 
 template <typename Row>
-const Row& at(const std::vector<Row>& rows, Index index) {
-  return rows[static_cast<std::size_t>(index)];
-}
-
-template <typename Row>
 Index sizeOf(const std::vector<Row>& rows) {
   return static_cast<Index>(rows.size());
 }

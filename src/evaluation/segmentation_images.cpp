@@ -6,7 +6,6 @@
 
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "radar_dot/dataset/tables.h"
 
@@ -54,17 +53,10 @@ cv::Mat readGrey(const std::filesystem::path& file) {
   return read(file, CV_8UC1, "a PNG of one 8-bit channel");
 }
 
-cv::Mat resizeNearest(const cv::Mat& image, const cv::Size& size) {
-  if (image.size() == size) return image;
-  cv::Mat resized;
-  cv::resize(image, resized, size, 0.0, 0.0, cv::INTER_NEAREST_EXACT);
-  return resized;
-}
-
 FlowField resizeNearest(const FlowField& field, const cv::Size& size) {
   if (field.flow.size() == size) return field;
   FlowField resized;
-  cv::resize(field.flow, resized.flow, size, 0.0, 0.0, cv::INTER_NEAREST_EXACT);
+  resized.flow = resizeNearest(field.flow, size);
   const cv::Scalar scale(static_cast<double>(size.width) / field.flow.cols,
                          static_cast<double>(size.height) / field.flow.rows);
   cv::multiply(resized.flow, scale, resized.flow);

@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "radar_dot/vision/optical_flow.h"
+#include "vision/resize_nearest.h"
 
 namespace radar_dot::evaluation {
 
@@ -20,10 +21,9 @@ cv::Mat readDepth(const std::filesystem::path& file);
 /// A CV_8UC1 PNG, as it is. @throws dataset::DatasetError naming the file.
 cv::Mat readGrey(const std::filesystem::path& file);
 
-/// The value nearest to each pixel's centre on another grid: edges stay edges.
-cv::Mat resizeNearest(const cv::Mat& image, const cv::Size& size);
+using radar_dot::resizeNearest;
 
-/// The same of a flow, with its vectors scaled to px of the new grid.
+/// The value nearest to each pixel's centre on another grid, with the vectors scaled to px of that grid.
 FlowField resizeNearest(const FlowField& field, const cv::Size& size);
 
 }  // namespace radar_dot::evaluation

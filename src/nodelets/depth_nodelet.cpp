@@ -4,12 +4,12 @@
 
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
 #include <utility>
 
 #include "nodelets/common/read_parameters.h"
+#include "vision/resize_nearest.h"
 
 namespace radar_dot {
 namespace {
@@ -138,9 +138,7 @@ void DepthNodelet::onDepth(const sensor_msgs::ImageConstPtr& message) {
   const ros::WallTime start = ros::WallTime::now();
   const cv::Mat given = radar_dot::depthOf(*message);
   const cv::Size grid = workingGrid(given.size(), config_.working_width);
-  cv::Mat depth;
-  // Nearest: between an object and what is behind it there is nothing.
-  cv::resize(given, depth, grid, 0.0, 0.0, cv::INTER_NEAREST);
+  cv::Mat depth = resizeNearest(given, grid);
   if (depth.data == given.data) depth = given.clone();
   known_share_ = clean(depth, config_.depth.max_depth);
   computation_time_ = (ros::WallTime::now() - start).toSec();

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "vision/resize_nearest.h"
+
 namespace radar_dot {
 
 void DynamicSegmentationNodelet::setUp() {
@@ -172,7 +174,7 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
                                   " px does not have the shape of the camera's image of " + sizeText(image) +
                                   " px");
     }
-    return resizedNearest(depth, grid);
+    return resizeNearest(depth, grid);
   };
   pair.depth = place(radar_dot::depthOf(*messages.depth), *depth_input_);
   if (messages.next_depth) pair.next_depth = place(radar_dot::depthOf(*messages.next_depth), *depth_input_);

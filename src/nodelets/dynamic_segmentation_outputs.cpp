@@ -8,6 +8,7 @@
 
 #include "nodelets/dynamic_segmentation_nodelet.h"
 #include "nodelets/messages/refined_twist.h"
+#include "vision/resize_nearest.h"
 
 namespace radar_dot {
 namespace {
@@ -37,9 +38,9 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MaskOutcome
                        static_cast<int>(inputs.messages.flow->image_height));
   const cv::Size size = config_.full_size ? image : result.mask.size();
   if (mask_publisher_.getNumSubscribers() > 0)
-    mask_publisher_.publish(imageMessage(header, "mono8", resizedNearest(result.mask, size)));
+    mask_publisher_.publish(imageMessage(header, "mono8", resizeNearest(result.mask, size)));
   if (valid_publisher_.getNumSubscribers() > 0)
-    valid_publisher_.publish(imageMessage(header, "mono8", resizedNearest(result.valid, size)));
+    valid_publisher_.publish(imageMessage(header, "mono8", resizeNearest(result.valid, size)));
   if (score_publisher_.getNumSubscribers() > 0)
     score_publisher_.publish(imageMessage(header, "32FC1", result.score));
   if (config_.refine && refined_publisher_.getNumSubscribers() > 0) {

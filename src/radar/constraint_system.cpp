@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "radar_dot/common/random_stream.h"
+
 namespace radar_dot {
 namespace {
 
@@ -17,18 +19,14 @@ using Vector = Eigen::Matrix<double, N, 1>;
 template <int N>
 using Matrix = Eigen::Matrix<double, N, N>;
 
-/// splitmix64: small, fast, and the same numbers on every platform.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
   /// Uniform in [0, bound), bound < 2^32.
   std::size_t below(std::size_t bound) {
-    state_ += 0x9e3779b97f4a7c15ULL;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-    z ^= z >> 31;
-    return static_cast<std::size_t>(((z >> 32) * bound) >> 32);
+    const std::uint64_t bits = mixBits(state_);
+    state_ += kRandomStep;
+    return static_cast<std::size_t>(((bits >> 32) * bound) >> 32);
   }
 
  private:

@@ -13,15 +13,15 @@
 #include <opencv2/imgcodecs.hpp>
 #include <utility>
 
+#include "radar_dot/common/random_stream.h"
 #include "radar_dot/dataset/dataroot_writer.h"
+#include "radar_dot/dataset/file_bytes.h"
 #include "radar_dot/dataset/point_files.h"
-#include "radar_dot/dataset/write_bytes.h"
-#include "radar_dot/simulation/ground_truth.h"
-#include "radar_dot/simulation/radar_sensor.h"
-#include "radar_dot/simulation/random_stream.h"
 #include "simulation/scenarios/drive_plan.h"
 #include "simulation/sensors/annotations.h"
+#include "simulation/sensors/ground_truth.h"
 #include "simulation/sensors/pose_arrays.h"
+#include "simulation/sensors/radar_sensor.h"
 
 namespace radar_dot::simulation {
 namespace {

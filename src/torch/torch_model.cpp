@@ -19,8 +19,6 @@
 #include <tuple>
 #include <utility>
 
-#include "kept_memory.h"
-
 namespace radar_dot {
 namespace {
 
@@ -205,7 +203,6 @@ std::shared_ptr<TorchModel> TorchModel::load(const NetworkParams& params, const 
   const at::Device device = deviceNamed(params.device);
   const Key key(params.model, std::filesystem::last_write_time(params.model, error), device.str(),
                 signature.inputs, signature.output);
-  keepMemory();
   Loaded& known = loaded();
   const std::lock_guard<std::mutex> lock(known.mutex);  // held while loading, so that it is loaded once
   if (std::shared_ptr<TorchModel> shared = known.networks[key].lock()) return shared;

@@ -68,11 +68,11 @@ const std::vector<cv::Vec3b>& residualTable() {
 }
 
 /// table[round(value * steps_per_unit)], the last entry for whatever is beyond.
-void lookUp(const cv::Mat& values, const cv::Vec3b* table, int last, double steps_per_unit,
-            bool zero_is_known, cv::Mat& picture) {
+cv::Mat lookUp(const cv::Mat& values, const cv::Vec3b* table, int last, double steps_per_unit,
+               bool zero_is_known) {
   const auto factor = static_cast<float>(steps_per_unit);
   const auto end = static_cast<float>(last);
-  picture.create(values.size(), CV_8UC3);
+  cv::Mat picture(values.size(), CV_8UC3);
   for (int v = 0; v < values.rows; ++v) {
     const auto* row = values.ptr<float>(v);
     auto* out = picture.ptr<cv::Vec3b>(v);
@@ -82,6 +82,7 @@ void lookUp(const cv::Mat& values, const cv::Vec3b* table, int last, double step
       out[u] = known ? table[static_cast<int>(std::min(value * factor, end) + 0.5F)] : drawing::kUnknown;
     }
   }
+  return picture;
 }
 
 double residualScale(const cv::Mat& residual) {
@@ -188,37 +189,42 @@ void tint(cv::Mat& picture, const cv::Mat& marked) {
 
 }  // namespace
 
-namespace drawing {
-
-void paintDepth(const cv::Mat& depth, double max_depth, cv::Mat& picture) {
-  lookUp(depth, depthTable(max_depth).data(), kDepthSteps, kDepthSteps / max_depth, false, picture);
+cv::Mat drawDepth(const cv::Mat& depth, double max_depth) {
+  drawing::requireType(depth, CV_32FC1, "depth");
+  drawing::requireScale(max_depth, false, "max_depth");
+  cv::Mat picture = lookUp(depth, depthTable(max_depth).data(), kDepthSteps, kDepthSteps / max_depth, false);
   Palette near_to_far;
   std::reverse_copy(depthPalette().begin(), depthPalette().end(), near_to_far.begin());
-  std::vector<Tick> ticks;
+  std::vector<drawing::Tick> ticks;
   for (double decade = 0.01; decade < max_depth; decade *= 10.0) {
     for (const double step : {1.0, 2.0, 5.0}) {
       const double position = 1.0 + std::log(step * decade / max_depth) / std::log(kDepthRange);
       if (position >= -1e-9 && position <= 1.0 + 1e-9)
-        ticks.push_back({position, shortNumber(step * decade)});
+        ticks.push_back({position, drawing::shortNumber(step * decade)});
     }
   }
-  drawScaleBar(picture, near_to_far, ticks, "m");
+  drawing::drawScaleBar(picture, near_to_far, ticks, "m");
+  return picture;
 }
 
-void paintResidual(const cv::Mat& residual, double max, const std::string& unit, cv::Mat& picture) {
+cv::Mat drawResidual(const cv::Mat& residual, double max, const std::string& unit) {
+  drawing::requireType(residual, CV_32FC1, "residual");
+  drawing::requireScale(max, true, "max");
   const double scale = max > 0.0 ? max : residualScale(residual);
-  lookUp(residual, residualTable().data(), kResidualSteps, kResidualSteps / scale, true, picture);
-  drawScaleBar(picture, residualPalette(),
-               {{0.0, "0"},
-                {std::sqrt(0.05), shortNumber(0.05 * scale)},
-                {0.5, shortNumber(0.25 * scale)},
-                {1.0, shortNumber(scale)}},
-               unit);
+  cv::Mat picture = lookUp(residual, residualTable().data(), kResidualSteps, kResidualSteps / scale, true);
+  drawing::drawScaleBar(picture, residualPalette(),
+                        {{0.0, "0"},
+                         {std::sqrt(0.05), drawing::shortNumber(0.05 * scale)},
+                         {0.5, drawing::shortNumber(0.25 * scale)},
+                         {1.0, drawing::shortNumber(scale)}},
+                        unit);
+  return picture;
 }
 
-void paintRadar(const std::vector<RadarPixel>& points, cv::Mat& picture) {
+cv::Mat drawRadar(const cv::Mat& image, const std::vector<RadarPixel>& points) {
+  cv::Mat picture = drawing::bgrCopy(image, "image");
   picture.convertTo(picture, -1, 0.45);
-  const double unit = unitOf(picture.size());
+  const double unit = drawing::unitOf(picture.size());
   const std::vector<RadarPixel> visible = visibleInOrder(points, picture.size());
   constexpr int kShift = 4;  // binary places of the coordinates that OpenCV is given
   for (const RadarPixel& point : visible) {
@@ -230,51 +236,25 @@ void paintRadar(const std::vector<RadarPixel>& points, cv::Mat& picture) {
     disc(radius + std::max(1.0, unit), point.dynamic ? cv::Scalar::all(255) : cv::Scalar());
     disc(radius, point.dynamic ? kDynamic : kStatic);
   }
-  if (isReadable(picture.size())) writeVelocities(picture, visible, unit);
+  if (drawing::isReadable(picture.size())) writeVelocities(picture, visible, unit);
+  return picture;
 }
 
-void paintMask(const cv::Mat& mask, const cv::Mat& valid, cv::Mat& picture) {
-  const double unit = unitOf(picture.size());
-  if (!valid.empty())
+cv::Mat overlayMask(const cv::Mat& image, const cv::Mat& mask, const cv::Mat& valid) {
+  cv::Mat picture = drawing::bgrCopy(image, "image");
+  const double unit = drawing::unitOf(picture.size());
+  if (!valid.empty()) {
+    drawing::requireType(valid, CV_8UC1, "valid");
     hatchExcluded(picture, binaryOn(valid, picture.size()), std::max(4, cvRound(8.0 * unit)));
-  if (mask.empty()) return;
+  }
+  if (mask.empty()) return picture;
+  drawing::requireType(mask, CV_8UC1, "mask");
   const cv::Mat marked = binaryOn(mask, picture.size());
   tint(picture, marked);
   const int width = std::max(1, cvRound(unit));
   cv::Mat inside;
   cv::erode(marked, inside, cv::Mat::ones(2 * width + 1, 2 * width + 1, CV_8UC1));
   picture.setTo(kContour, marked & ~inside);
-}
-
-}  // namespace drawing
-
-cv::Mat drawDepth(const cv::Mat& depth, double max_depth) {
-  drawing::requireType(depth, CV_32FC1, "depth");
-  drawing::requireScale(max_depth, false, "max_depth");
-  cv::Mat picture;
-  drawing::paintDepth(depth, max_depth, picture);
-  return picture;
-}
-
-cv::Mat drawResidual(const cv::Mat& residual, double max, const std::string& unit) {
-  drawing::requireType(residual, CV_32FC1, "residual");
-  drawing::requireScale(max, true, "max");
-  cv::Mat picture;
-  drawing::paintResidual(residual, max, unit, picture);
-  return picture;
-}
-
-cv::Mat drawRadar(const cv::Mat& image, const std::vector<RadarPixel>& points) {
-  cv::Mat picture = drawing::bgrCopy(image, "image");
-  drawing::paintRadar(points, picture);
-  return picture;
-}
-
-cv::Mat overlayMask(const cv::Mat& image, const cv::Mat& mask, const cv::Mat& valid) {
-  cv::Mat picture = drawing::bgrCopy(image, "image");
-  drawing::requireType(mask, CV_8UC1, "mask");
-  if (!valid.empty()) drawing::requireType(valid, CV_8UC1, "valid");
-  drawing::paintMask(mask, valid, picture);
   return picture;
 }
 

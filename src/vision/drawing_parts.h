@@ -61,12 +61,4 @@ double percentileOf(std::vector<float>& values, double percentile);
 int sampleStep(const cv::Size& size);
 std::string shortNumber(double value);
 
-// What the public functions do once their arguments are found good. The picture may be a part of another one,
-// of the size of the values; paintRadar and paintMask draw over what is there.
-void paintFlow(const cv::Mat& flow, double max_flow, cv::Mat& picture);
-void paintDepth(const cv::Mat& depth, double max_depth, cv::Mat& picture);
-void paintResidual(const cv::Mat& residual, double max, const std::string& unit, cv::Mat& picture);
-void paintRadar(const std::vector<RadarPixel>& points, cv::Mat& picture);
-void paintMask(const cv::Mat& mask, const cv::Mat& valid, cv::Mat& picture);
-
 }  // namespace radar_dot::drawing

@@ -102,22 +102,17 @@ double flowScale(const cv::Mat& flow, const cv::Mat& other) {
   return drawing::roundScaleUp(drawing::percentileOf(magnitudes, 0.98));
 }
 
-void drawing::paintFlow(const cv::Mat& flow, double max_flow, cv::Mat& picture) {
-  const auto scale = static_cast<float>(1.0 / max_flow);
+cv::Mat drawFlow(const cv::Mat& flow, double max_flow) {
+  drawing::requireType(flow, CV_32FC2, "flow");
+  drawing::requireScale(max_flow, true, "max_flow");
+  const auto scale = static_cast<float>(1.0 / (max_flow > 0.0 ? max_flow : flowScale(flow)));
   const std::vector<cv::Vec3b>& table = colourTable();
-  picture.create(flow.size(), CV_8UC3);
+  cv::Mat picture(flow.size(), CV_8UC3);
   for (int v = 0; v < flow.rows; ++v) {
     const auto* row = flow.ptr<cv::Vec2f>(v);
     auto* out = picture.ptr<cv::Vec3b>(v);
     for (int u = 0; u < flow.cols; ++u) out[u] = flowColour(table, scale * row[u][0], scale * row[u][1]);
   }
-}
-
-cv::Mat drawFlow(const cv::Mat& flow, double max_flow) {
-  drawing::requireType(flow, CV_32FC2, "flow");
-  drawing::requireScale(max_flow, true, "max_flow");
-  cv::Mat picture;
-  drawing::paintFlow(flow, max_flow > 0.0 ? max_flow : flowScale(flow), picture);
   return picture;
 }
 

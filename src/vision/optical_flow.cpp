@@ -82,14 +82,6 @@ FlowField backwardField(const FlowField& field, const OpticalFlowParams& params)
   return back;
 }
 
-cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
-                             double relative) {
-  FlowField field;
-  field.flow = forward;
-  closeForwardBackward(field, backward, absolute, relative);
-  return field.valid;
-}
-
 cv::Mat resizeFlow(const cv::Mat& flow, const cv::Size& size) {
   requireFlow(flow, "flow");
   if (size.width <= 0 || size.height <= 0) {

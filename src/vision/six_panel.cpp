@@ -130,7 +130,7 @@ std::vector<RadarPixel> pointsOn(const std::vector<RadarPixel>& points, double i
 }
 
 void paintFlowWithLegend(const cv::Mat& flow, double max_flow, cv::Mat& picture) {
-  drawing::paintFlow(flow, max_flow, picture);
+  drawFlow(flow, max_flow).copyTo(picture);
   if (!drawing::isReadable(picture.size())) return;
   const int side = static_cast<int>(110.0 * drawing::unitOf(picture.size()));
   const cv::Rect corner(picture.cols - side, picture.rows - side, side, side);
@@ -180,22 +180,18 @@ cv::Mat sixPanel(const SixPanelInput& input) {
   const Prepared small = prepare(input);
   Panels panels(input.panel);
   panels.fill(0, 0, small.image, small.mask.empty() ? "image" : "image, moving pixels", "no image yet",
-              [&](cv::Mat& picture) {
-                small.image.copyTo(picture);
-                drawing::paintMask(small.mask, small.valid, picture);
-              });
+              [&](cv::Mat& picture) { overlayMask(small.image, small.mask, small.valid).copyTo(picture); });
   panels.fill(1, 0, small.residual, "residual: observed - expected flow", "no residual yet",
               [&](cv::Mat& picture) {
-                drawing::paintResidual(small.residual, input.max_residual, input.residual_unit, picture);
+                drawResidual(small.residual, input.max_residual, input.residual_unit).copyTo(picture);
               });
   panels.fill(2, 0, small.expected_flow, "expected flow (static world)", "no expected flow yet",
               [&](cv::Mat& picture) { paintFlowWithLegend(small.expected_flow, small.max_flow, picture); });
   panels.fill(0, 1, small.depth, "metric depth", "no depth yet",
-              [&](cv::Mat& picture) { drawing::paintDepth(small.depth, input.max_depth, picture); });
+              [&](cv::Mat& picture) { drawDepth(small.depth, input.max_depth).copyTo(picture); });
   panels.fill(1, 1, input.radar ? small.image : cv::Mat(), "radar: static green, dynamic red (m/s)",
               input.radar ? "no image yet" : "no radar yet", [&](cv::Mat& picture) {
-                small.image.copyTo(picture);
-                drawing::paintRadar(pointsOn(*input.radar, small.image_scale), picture);
+                drawRadar(small.image, pointsOn(*input.radar, small.image_scale)).copyTo(picture);
               });
   panels.fill(2, 1, small.observed_flow, "observed flow", "no observed flow yet",
               [&](cv::Mat& picture) { paintFlowWithLegend(small.observed_flow, small.max_flow, picture); });

@@ -38,11 +38,13 @@ void writePictures(BagFile& bag, unsigned count, std::size_t bytes) {
   for (unsigned i = 0; i < count; ++i) bag.write("/picture", ros::Time(1000 + i, 0), picture(i, bytes));
 }
 
-/// Does this process still hold a file of the folder open, deleted ones included?
+/// Does this process still keep content of a file of the folder on the disk, deleted ones included?
 bool holdsFilesOf(const fs::path& folder) {
   for (const fs::directory_entry& descriptor : fs::directory_iterator("/proc/self/fd")) {
     std::error_code closed;
-    if (fs::read_symlink(descriptor.path(), closed).string().rfind(folder.string(), 0) == 0) return true;
+    if (fs::read_symlink(descriptor.path(), closed).string().rfind(folder.string(), 0) == 0 &&
+        fs::file_size(descriptor.path(), closed) > 0)
+      return true;
   }
   return false;
 }
@@ -70,7 +72,7 @@ std::string errorWithinLimit(rlim_t bytes, const fs::path& folder, Action&& acti
     const rlimit limit{bytes, bytes};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     std::string error = errorOf(action);
-    if (holdsFilesOf(folder)) error += "; a file is still open: the disk stays full";
+    if (holdsFilesOf(folder)) error += "; a file still has content: the disk stays full";
     const bool told = ::write(ends[1], error.data(), error.size()) == static_cast<ssize_t>(error.size());
     ::_exit(told ? 0 : 1);
   }

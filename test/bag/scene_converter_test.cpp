@@ -34,11 +34,6 @@ using dataset::Tables;
 using test::microseconds;
 using test::NuscenesFixture;
 
-template <typename Row>
-const Row& at(const std::vector<Row>& table, Index index) {
-  return table[static_cast<std::size_t>(index)];
-}
-
 std::string topicOf(const std::string& channel) { return "/" + frameOf(channel); }
 
 /// The type PCD calls by letter and size, as sensor_msgs/PointField numbers it.

@@ -21,11 +21,6 @@ namespace {
 
 constexpr const char* kVersion = "v1.0-sim";
 
-template <typename Row>
-const Row& at(const std::vector<Row>& rows, Index index) {
-  return rows.at(static_cast<std::size_t>(index));
-}
-
 /// The reader rounds a decimal number to within a few units in the last place.
 void expectSame(double read, double written) {
   EXPECT_NEAR(read, written, 1e-14 * std::max(1.0, std::abs(written)));

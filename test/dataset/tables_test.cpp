@@ -16,11 +16,6 @@ namespace {
 using test::FixtureScene;
 using test::NuscenesFixture;
 
-template <typename Row>
-const Row& at(const std::vector<Row>& rows, Index index) {
-  return rows.at(static_cast<std::size_t>(index));
-}
-
 class TablesTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

@@ -1,7 +1,5 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radar_dot/simulation/models.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,8 @@
 #include <vector>
 
 #include "radar_dot/simulation/ray_tracing.h"
+#include "simulation/bodies/make_models.h"
+#include "simulation/bodies/shapes.h"
 
 namespace radar_dot::simulation {
 namespace {
@@ -63,20 +63,8 @@ std::vector<MeshKind> meshKinds() {
           {"bollard", [](RandomStream&) { return makeBollard(); }, 1000},
           {"bin", [](RandomStream&) { return makeBin(); }, 1000},
           {"bench", [](RandomStream&) { return makeBench(); }, 1000},
-          {"cone", [](RandomStream&) { return makeTrafficCone(); }, 1000},
           {"railing", [](RandomStream&) { return makeRailing(6.0); }, 2000},
           {"building", house, 15000}};
-}
-
-Eigen::AlignedBox3d boundsOf(const Model& model, double distance) {
-  BodyState state;
-  state.distance = distance;
-  const auto poses = model.T_body_from_parts(state);
-  Eigen::AlignedBox3d box;
-  for (std::size_t part = 0; part < poses.size(); ++part)
-    for (const Vector3f& position : model.parts[part].mesh->positions)
-      box.extend(poses[part] * position.cast<double>());
-  return box;
 }
 
 std::vector<std::shared_ptr<const Mesh>> meshesOf(const Model& model) {

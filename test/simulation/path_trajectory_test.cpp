@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radar_dot/simulation/path_trajectory.h"
+#include "simulation/scenarios/path_trajectory.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "radar_dot/simulation/path.h"
-#include "radar_dot/simulation/speed_profile.h"
 #include "radar_dot/simulation/trajectory.h"
+#include "simulation/scenarios/path.h"
+#include "simulation/scenarios/speed_profile.h"
 
 namespace radar_dot::simulation {
 namespace {

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radar_dot/simulation/radar_sensor.h"
+#include "simulation/sensors/radar_sensor.h"
 
 #include <gtest/gtest.h>
 

@@ -164,11 +164,13 @@ TEST(DisFlow, TemporalStartIsForgottenOnReset) {
 }
 
 TEST(ForwardBackward, KnowsWhatCloses) {
-  cv::Mat forward(10, 10, CV_32FC2, cv::Scalar(2.0, 0.0));
+  FlowField field;
+  field.flow = cv::Mat(10, 10, CV_32FC2, cv::Scalar(2.0, 0.0));
   cv::Mat backward(10, 10, CV_32FC2, cv::Scalar(-2.0, 0.0));
   backward.at<cv::Vec2f>(4, 6) = cv::Vec2f(3.0F, 0.0F);  // where (4, 4) leads: something else moved there
-  forward.at<cv::Vec2f>(7, 3) = cv::Vec2f(kNaN, 0.0F);
-  const cv::Mat valid = forwardBackwardValid(forward, backward, 0.5, 0.0);
+  field.flow.at<cv::Vec2f>(7, 3) = cv::Vec2f(kNaN, 0.0F);
+  closeForwardBackward(field, backward, 0.5, 0.0);
+  const cv::Mat& valid = field.valid;
   EXPECT_EQ(valid.at<std::uint8_t>(2, 2), 255);
   EXPECT_EQ(valid.at<std::uint8_t>(4, 4), 0);
   EXPECT_EQ(valid.at<std::uint8_t>(7, 3), 0);

@@ -31,6 +31,12 @@ class DatasetError : public std::runtime_error {
 using Index = std::int32_t;
 inline constexpr Index kNone = -1;
 
+/// The row of a table with this number.
+template <typename Row>
+const Row& at(const std::vector<Row>& rows, Index index) {
+  return rows[static_cast<std::size_t>(index)];
+}
+
 enum class Modality : std::uint8_t { kCamera, kLidar, kRadar, kOther };
 
 struct Sensor {

@@ -50,7 +50,7 @@ struct RadarPixel {
 cv::Mat drawRadar(const cv::Mat& image, const std::vector<RadarPixel>& points);
 
 /// The image (CV_8UC3 or CV_8UC1) with a translucent mask and its contour, which lies within the mask.
-/// @param mask   CV_8UC1 of any size, not 0 = marked
+/// @param mask   CV_8UC1 of any size, not 0 = marked; empty: nothing is
 /// @param valid  CV_8UC1 of any size, 0 = excluded: darkened and hatched; empty: nothing is
 cv::Mat overlayMask(const cv::Mat& image, const cv::Mat& mask, const cv::Mat& valid = {});
 

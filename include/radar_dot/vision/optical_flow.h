@@ -124,13 +124,9 @@ std::vector<std::string> opticalFlowBackends();
 /// @throws std::invalid_argument where the field has none
 FlowField backwardField(const FlowField& field, const OpticalFlowParams& params);
 
-/// 255 where forward and backward flow (CV_32FC2, same size) close: the paper's "unreliable correspondences"
-/// are the others. A pixel whose flow leaves the image, or is not finite, is not valid.
-cv::Mat forwardBackwardValid(const cv::Mat& forward, const cv::Mat& backward, double absolute,
-                             double relative);
-
-/// Both of FlowField: `valid` as forwardBackwardValid, and `fb_error`, |f(p) + b(p + f(p))|, CV_32FC1, px,
-/// NaN where the flow leaves the image, or is not finite.
+/// Fills both of FlowField: `valid`, 255 where forward and backward flow (CV_32FC2, same size) close (the
+/// paper's "unreliable correspondences" are the others), and `fb_error`, |f(p) + b(p + f(p))|, CV_32FC1, px.
+/// A pixel whose flow leaves the image, or is not finite, is not valid, its error NaN.
 void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double absolute, double relative);
 
 /// Flow on another grid, bilinear, with its vectors scaled to px of that grid.

@@ -3,9 +3,10 @@
 #include "nodelets/inputs/object_regions.h"
 
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
+
+#include "vision/resize_nearest.h"
 
 namespace radar_dot {
 namespace {
@@ -17,9 +18,7 @@ cv::Mat onGrid(const cv::Mat& image, const cv::Size& grid, const std::string& wh
     throw std::invalid_argument(what + " of " + sizeText(image.size()) +
                                 " px does not have the shape of the flow of " + sizeText(grid) + " px");
   }
-  cv::Mat resized;
-  cv::resize(image, resized, grid, 0.0, 0.0, cv::INTER_NEAREST);
-  return resized;
+  return resizeNearest(image, grid);
 }
 
 /// From px of the grid to px of the image.

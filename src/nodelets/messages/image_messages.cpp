@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 namespace radar_dot {
@@ -73,13 +72,6 @@ cv::Mat companionOf(const cv::Mat& flow, const sensor_msgs::Image& message, cons
 
 std::string sizeText(const cv::Size& size) {
   return std::to_string(size.width) + " x " + std::to_string(size.height);
-}
-
-cv::Mat resizedNearest(const cv::Mat& image, const cv::Size& size) {
-  if (image.empty() || image.size() == size) return image;
-  cv::Mat resized;
-  cv::resize(image, resized, size, 0.0, 0.0, cv::INTER_NEAREST);
-  return resized;
 }
 
 bool isGridOf(const cv::Size& grid, const cv::Size& image) {

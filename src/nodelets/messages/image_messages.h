@@ -55,8 +55,6 @@ bool isDistorted(const sensor_msgs::CameraInfo& message);
 
 /// True where a grid has the shape of an image, within the rounding of its sides.
 bool isGridOf(const cv::Size& grid, const cv::Size& image);
-/// The value nearest to each pixel's centre on another grid; an empty image stays empty.
-cv::Mat resizedNearest(const cv::Mat& image, const cv::Size& size);
 /// "800 x 450"
 std::string sizeText(const cv::Size& size);
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include "radar_dot/simulation/models.h"
 #include "simulation/bodies/building_front.h"
 #include "simulation/bodies/building_style.h"
+#include "simulation/bodies/make_models.h"
 #include "simulation/bodies/shapes.h"
 
 namespace radar_dot::simulation {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/mesh.h"
-#include "radar_dot/simulation/random_stream.h"
 
 namespace radar_dot::simulation {
 

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radar_dot/simulation/models.h"
 #include "simulation/bodies/car_body.h"
+#include "simulation/bodies/make_models.h"
 #include "simulation/bodies/shapes.h"
 #include "simulation/bodies/vehicle_parts.h"
 

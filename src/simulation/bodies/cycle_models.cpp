@@ -5,8 +5,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "radar_dot/simulation/models.h"
 #include "simulation/bodies/human_body.h"
+#include "simulation/bodies/make_models.h"
 #include "simulation/bodies/shapes.h"
 
 namespace radar_dot::simulation {

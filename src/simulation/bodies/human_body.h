@@ -4,8 +4,8 @@
 
 #include <memory>
 
+#include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/mesh.h"
-#include "radar_dot/simulation/random_stream.h"
 
 namespace radar_dot::simulation {
 

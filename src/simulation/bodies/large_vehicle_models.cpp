@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "radar_dot/simulation/models.h"
+#include "simulation/bodies/make_models.h"
 #include "simulation/bodies/shapes.h"
 #include "simulation/bodies/vehicle_body.h"
 #include "simulation/bodies/vehicle_parts.h"

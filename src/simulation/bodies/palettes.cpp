@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
-#include "radar_dot/simulation/models.h"
+#include "simulation/bodies/make_models.h"
 #include "simulation/bodies/shapes.h"
 
 namespace radar_dot::simulation {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "radar_dot/simulation/models.h"
 #include "simulation/bodies/human_body.h"
+#include "simulation/bodies/make_models.h"
 #include "simulation/bodies/shapes.h"
 
 namespace radar_dot::simulation {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "radar_dot/simulation/models.h"
+#include "simulation/bodies/make_models.h"
 #include "simulation/bodies/shapes.h"
 
 namespace radar_dot::simulation {

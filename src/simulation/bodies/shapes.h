@@ -7,9 +7,9 @@
 #include <memory>
 #include <vector>
 
+#include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/mesh.h"
 #include "radar_dot/simulation/model.h"
-#include "radar_dot/simulation/random_stream.h"
 
 /// Helpers that the model builders share.
 namespace radar_dot::simulation {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "radar_dot/simulation/models.h"
+#include "simulation/bodies/make_models.h"
 
 namespace radar_dot::simulation {
 

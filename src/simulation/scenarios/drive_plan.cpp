@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-#include "radar_dot/simulation/random_stream.h"
+#include "radar_dot/common/random_stream.h"
 
 namespace radar_dot::simulation {
 namespace {

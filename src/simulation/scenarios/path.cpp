@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radar_dot/simulation/path.h"
+#include "simulation/scenarios/path.h"
 
 #include <algorithm>
 #include <array>

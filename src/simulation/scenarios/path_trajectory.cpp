@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radar_dot/simulation/path_trajectory.h"
+#include "simulation/scenarios/path_trajectory.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "radar_dot/simulation/random_stream.h"
+#include "radar_dot/common/random_stream.h"
 
 namespace radar_dot::simulation {
 namespace {

@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
-#include "radar_dot/simulation/path_trajectory.h"
-#include "radar_dot/simulation/random_stream.h"
+#include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/scenario.h"
 #include "simulation/bodies/stock.h"
+#include "simulation/scenarios/path_trajectory.h"
 #include "simulation/scenarios/traffic.h"
 #include "simulation/street/street_builder.h"
 #include "simulation/street/street_plan.h"

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radar_dot/simulation/speed_profile.h"
+#include "simulation/scenarios/speed_profile.h"
 
 #include <fmt/format.h>
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/camera_sensor.h"
-#include "radar_dot/simulation/random_stream.h"
 #include "simulation/sensors/pose_arrays.h"
 
 namespace radar_dot::simulation {

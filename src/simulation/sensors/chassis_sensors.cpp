@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "radar_dot/simulation/random_stream.h"
+#include "radar_dot/common/random_stream.h"
 #include "simulation/sensors/pose_arrays.h"
 
 namespace radar_dot::simulation {

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radar_dot/simulation/ground_truth.h"
+#include "simulation/sensors/ground_truth.h"
 
 #include <algorithm>
 #include <array>

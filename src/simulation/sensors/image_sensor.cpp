@@ -5,8 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/camera_sensor.h"
-#include "radar_dot/simulation/random_stream.h"
 
 namespace radar_dot::simulation {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "radar_dot/simulation/random_stream.h"
+#include "radar_dot/common/random_stream.h"
 
 namespace radar_dot::simulation {
 namespace {

@@ -7,11 +7,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "radar_dot/simulation/radar_model.h"
-#include "radar_dot/simulation/random_stream.h"
+#include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/ray_tracing.h"
 #include "radar_dot/simulation/sensor_mounts.h"
 #include "radar_dot/simulation/trajectory.h"
+#include "simulation/sensors/radar_model.h"
 
 namespace radar_dot::simulation {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "radar_dot/simulation/random_stream.h"
+#include "radar_dot/common/random_stream.h"
 
 namespace radar_dot::simulation {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "radar_dot/simulation/radar_model.h"
 #include "radar_dot/simulation/ray_tracing.h"
+#include "simulation/sensors/radar_model.h"
 
 namespace radar_dot::simulation {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "radar_dot/simulation/models.h"
+#include "simulation/bodies/make_models.h"
 #include "simulation/bodies/shapes.h"
 
 namespace radar_dot::simulation {
@@ -138,27 +138,6 @@ std::shared_ptr<const Mesh> makeBench() {
     bar(builder, middle - Vector3f(0.9F, 0, 0), middle + Vector3f(0.9F, 0, 0), Vector3f(0, 0.95F, 0.31F),
         0.09F, 0.03F);
   }
-  return share(std::move(builder));
-}
-
-std::shared_ptr<const Mesh> makeTrafficCone() {
-  MeshBuilder builder;
-  builder.use(plain(Material::kPlastic, 0.03F));
-  builder.box(Vector3f(-0.19F, -0.19F, 0.0F), Vector3f(0.19F, 0.19F, 0.035F));
-  const auto radius = [](float z) { return 0.145F - 0.165F * (z - 0.035F); };
-  const auto band = [&](float low, float high, const Surface& surface) {
-    builder.use(surface);
-    builder.cone(Vector3f(0, 0, low), Vector3f(0, 0, high), radius(low), radius(high), 16, false);
-  };
-  const Surface orange = plain(Material::kPlastic, 0.75F, 0.13F, 0.02F);
-  const Surface white = plain(Material::kSign, 0.8F);
-  band(0.035F, 0.25F, orange);
-  band(0.25F, 0.38F, white);
-  band(0.38F, 0.5F, orange);
-  band(0.5F, 0.6F, white);
-  band(0.6F, 0.74F, orange);
-  builder.use(orange);
-  disc(builder, Vector3f(0, 0, 0.74F), Vector3f::UnitZ(), radius(0.74F), 16);
   return share(std::move(builder));
 }
 

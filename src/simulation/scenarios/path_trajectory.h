@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "radar_dot/simulation/path.h"
-#include "radar_dot/simulation/speed_profile.h"
 #include "radar_dot/simulation/trajectory.h"
+#include "simulation/scenarios/path.h"
+#include "simulation/scenarios/speed_profile.h"
 
 namespace radar_dot::simulation {
 

@@ -5,11 +5,14 @@
 #include <cmath>
 #include <cstdint>
 
-namespace radar_dot::simulation {
+namespace radar_dot {
 
-/// Mixes the bits of a number (splitmix64).
+/// From one state of splitmix64 to the next.
+inline constexpr std::uint64_t kRandomStep = 0x9e3779b97f4a7c15ULL;
+
+/// Mixes the bits of a number: splitmix64, the same on every platform.
 inline std::uint64_t mixBits(std::uint64_t value) noexcept {
-  value += 0x9e3779b97f4a7c15ULL;
+  value += kRandomStep;
   value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9ULL;
   value = (value ^ (value >> 27)) * 0x94d049bb133111ebULL;
   return value ^ (value >> 31);
@@ -23,7 +26,7 @@ class RandomStream {
   explicit RandomStream(std::uint64_t seed, std::uint64_t stream = 0) noexcept
       : state_(mixBits(mixBits(seed) ^ (stream * 0xd1342543de82ef95ULL))) {}
 
-  std::uint64_t bits() noexcept { return mixBits(state_ += 0x9e3779b97f4a7c15ULL); }
+  std::uint64_t bits() noexcept { return mixBits(state_ += kRandomStep); }
   /// In [0, 1).
   double uniform() noexcept { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
   double uniform(double low, double high) noexcept { return low + (high - low) * uniform(); }
@@ -49,4 +52,4 @@ class RandomStream {
   std::uint64_t state_;
 };
 
-}  // namespace radar_dot::simulation
+}  // namespace radar_dot

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "radar_dot/dataset/point_files.h"
-#include "radar_dot/simulation/radar_model.h"
 #include "radar_dot/simulation/ray_tracing.h"
 #include "radar_dot/simulation/sensor_mounts.h"
 #include "radar_dot/simulation/trajectory.h"
+#include "simulation/sensors/radar_model.h"
 
 namespace radar_dot::simulation {
 

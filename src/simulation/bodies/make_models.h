@@ -4,9 +4,9 @@
 
 #include <memory>
 
+#include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/mesh.h"
 #include "radar_dot/simulation/model.h"
-#include "radar_dot/simulation/random_stream.h"
 
 namespace radar_dot::simulation {
 
@@ -35,7 +35,6 @@ std::shared_ptr<const Mesh> makeTrafficSign(RandomStream& random);
 std::shared_ptr<const Mesh> makeBollard();
 std::shared_ptr<const Mesh> makeBin();
 std::shared_ptr<const Mesh> makeBench();
-std::shared_ptr<const Mesh> makeTrafficCone();
 /// Railing along x, from 0 to length.
 std::shared_ptr<const Mesh> makeRailing(double length);
 
