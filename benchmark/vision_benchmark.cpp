@@ -8,7 +8,6 @@
 #include <opencv2/core/utility.hpp>
 #include <random>
 
-#include "fixtures/literal_motion.h"
 #include "radar_dot/vision/motion_segmentation.h"
 
 namespace radar_dot {
@@ -61,10 +60,6 @@ void motionSegmenter(benchmark::State& state) {
 }
 BENCHMARK(motionSegmenter)->Arg(1)->Arg(2)->ArgName("threads")->Unit(benchmark::kMillisecond)->UseRealTime();
 
-void literalReference(benchmark::State& state) {
-  const MotionInput input = street();
-  for (auto _ : state) benchmark::DoNotOptimize(test::literalMotion(input, {}).threshold);
-}
 /// With everything the score by uncertainty looks at: a gap for every pixel, a share of depth noise for every
 /// pixel, and the covariance of the motion.
 void motionSegmenterByUncertainty(benchmark::State& state) {
@@ -89,8 +84,6 @@ BENCHMARK(motionSegmenterByUncertainty)
     ->ArgName("threads")
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
-
-BENCHMARK(literalReference)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 }  // namespace radar_dot

@@ -24,16 +24,26 @@ namespace fs = std::filesystem;
 
 class DepthEvaluation : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(SIMULATOR); }
-  static void TearDownTestSuite() { dataroot_.reset(); }
+  // A copy: tests hide parts of it.
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<test::TemporaryFolder>();
+    fs::copy(SIMULATED_DATAROOT, folder_->path(), fs::copy_options::recursive);
+    dataroot_ = std::make_unique<test::SimulatedDataroot>(folder_->path());
+  }
+  static void TearDownTestSuite() {
+    dataroot_.reset();
+    folder_.reset();
+  }
   static DepthReport evaluate(const std::string& depth, DepthTruth truth) {
     DepthEvaluationOptions options;
     options.depth.depth.backend = depth;
     options.truth = truth;
     return evaluateDepth(dataroot_->tables(), 0, options);
   }
+  static std::unique_ptr<test::TemporaryFolder> folder_;
   static std::unique_ptr<test::SimulatedDataroot> dataroot_;
 };
+std::unique_ptr<test::TemporaryFolder> DepthEvaluation::folder_;
 std::unique_ptr<test::SimulatedDataroot> DepthEvaluation::dataroot_;
 
 TEST_F(DepthEvaluation, TheTruthHasNoErrors) {

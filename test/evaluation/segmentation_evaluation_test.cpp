@@ -18,7 +18,7 @@ namespace {
 
 class SegmentationEvaluation : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(SIMULATOR); }
+  static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(); }
   static void TearDownTestSuite() { dataroot_.reset(); }
 
   static SegmentationReport evaluate(const SegmentationEvaluationOptions& options, dataset::Index scene = 0) {

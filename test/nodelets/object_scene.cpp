@@ -4,8 +4,11 @@
 
 #include <rosgraph_msgs/Clock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+
+#include "live_radars.h"
 
 namespace radar_dot::test {
 namespace {
@@ -25,14 +28,13 @@ Eigen::Isometry3d isometryOf(const geometry_msgs::TransformStamped& mount) {
 }  // namespace
 
 ObjectScene::ObjectScene(ros::NodeHandle& handle)
-    : clock_(handle.advertise<rosgraph_msgs::Clock>("/clock", 10)), radars_(syntheticRadars()) {
-  std::vector<geometry_msgs::TransformStamped> mounts;
-  for (const SyntheticRadar& radar : radars_) {
-    publishers_.push_back(handle.advertise<sensor_msgs::PointCloud2>(radar.name, 10));
-    mounts.push_back(radar.mount);
-    mounts.back().header.stamp = stampAt(0.0);
-  }
-  broadcaster_.sendTransform(mounts);
+    : clock_(handle.advertise<rosgraph_msgs::Clock>("/clock", 10)),
+      publishers_(advertiseRadars(handle, broadcaster_, stampAt(0.0))),
+      radars_(syntheticRadars()) {}
+
+bool ObjectScene::heard() const {
+  return std::all_of(publishers_.begin(), publishers_.end(),
+                     [](const ros::Publisher& publisher) { return publisher.getNumSubscribers() > 0; });
 }
 
 Eigen::Vector2d ObjectScene::carPosition(double seconds) const {

@@ -107,7 +107,7 @@ TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
   const Recorder<nav_msgs::Odometry> odometry(handle, "odom");
   const Arrivals arrivals(handle);
   Diagnostics diagnostics(handle);
-  ASSERT_TRUE(waitUntil([&] { return masks.connected() && odometry.connected(); }, 20.0));
+  ASSERT_TRUE(waitUntil([&] { return masks.connected() && odometry.connected(); }));
 
   BagPlayer player({"--clock", "--delay=2", bag.string()});
   ASSERT_EQ(player.wait(120.0), 0);
@@ -154,12 +154,3 @@ TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
 
 }  // namespace
 }  // namespace radar_dot::test
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "segmentation_replay_test");
-  const ros::NodeHandle keeper;
-  ros::AsyncSpinner spinner(3);
-  spinner.start();
-  return RUN_ALL_TESTS();
-}

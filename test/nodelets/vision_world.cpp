@@ -6,6 +6,7 @@
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 
+#include "fixtures/camera_mount.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "radar_dot/vision/rigid_motion.h"
 
@@ -13,12 +14,7 @@ namespace radar_dot::test {
 
 CameraIntrinsics VisionWorld::camera() { return {200.0, 200.0, 159.5, 89.5, kWidth, kHeight}; }
 
-Eigen::Isometry3d VisionWorld::T_base_from_camera() {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;  // x right, y down, z ahead
-  T.translation() << 1.7, 0.1, 1.5;
-  return T;
-}
+Eigen::Isometry3d VisionWorld::T_base_from_camera() { return lookingAhead({1.7, 0.1, 1.5}); }
 
 geometry_msgs::TransformStamped VisionWorld::mount() {
   const Eigen::Isometry3d T = T_base_from_camera();

@@ -32,8 +32,9 @@ void StreamNodelet::setUp(const std::string& what, const StreamParams& params) {
     reportConfiguration(status);
   });
   // Wall time: the updater's own timing stops when a bag starts again.
-  diagnostics_timer_ = getNodeHandle().createWallTimer(
-      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+  diagnostics_timer_ =
+      getNodeHandle().createWallTimer(ros::WallDuration(diagnostics_->getPeriod()),
+                                      [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
 }
 
 InputMonitor& StreamNodelet::addInput(const std::string& name, bool required) {
