@@ -23,21 +23,28 @@ LiveRadars::LiveRadars(ros::NodeHandle& handle)
 
 void LiveRadars::set(std::size_t radar, const Fault& fault) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  faults_.at(radar) = fault;
+  states_.at(radar) = {false, fault};
+}
+
+void LiveRadars::silence(std::size_t radar) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  states_.at(radar).silent = true;
 }
 
 void LiveRadars::setAll(const Fault& fault) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  faults_.fill(fault);
+  states_.fill({false, fault});
 }
 
 void LiveRadars::publishNext() {
-  TrueState state;
-  state.speed = kSpeed;
-  state.yaw_rate = kYawRate;
+  TrueState truth;
+  truth.speed = kSpeed;
+  truth.yaw_rate = kYawRate;
+  sensor_msgs::PointCloud2 scan = syntheticScan(truth, next_, ros::Time::now(), seed_++);
   const std::lock_guard<std::mutex> lock(mutex_);
-  sensor_msgs::PointCloud2 scan = syntheticScan(state, next_, ros::Time::now(), seed_++);
-  if (faults_.at(next_)(scan)) publishers_[next_].publish(scan);
+  const State& state = states_.at(next_);
+  if (state.fault) state.fault(scan);
+  if (!state.silent) publishers_[next_].publish(scan);
   next_ = (next_ + 1) % kRadars;
 }
 

@@ -26,13 +26,11 @@ class LiveRadars {
   static constexpr double kSpeed = 8.0, kYawRate = 0.1;  ///< m/s, rad/s
   static constexpr std::size_t kRadars = 5;
   enum Radar : std::size_t { kFront, kFrontLeft, kFrontRight, kBackLeft, kBackRight };
-  /// Returns false when the radar is to stay silent.
-  using Fault = std::function<bool(sensor_msgs::PointCloud2&)>;
-  static bool none(sensor_msgs::PointCloud2&) { return true; }
-  static bool silent(sensor_msgs::PointCloud2&) { return false; }
+  using Fault = std::function<void(sensor_msgs::PointCloud2&)>;
 
   explicit LiveRadars(ros::NodeHandle& handle);
-  void set(std::size_t radar, const Fault& fault);
+  void set(std::size_t radar, const Fault& fault);  ///< until the next one
+  void silence(std::size_t radar);                  ///< until set()
   void setAll(const Fault& fault);
 
  private:
@@ -42,7 +40,11 @@ class LiveRadars {
   std::vector<ros::Publisher> publishers_;
   std::size_t next_ = 0;
   unsigned seed_ = 1;
-  std::array<Fault, kRadars> faults_{none, none, none, none, none};
+  struct State {
+    bool silent = false;
+    Fault fault;
+  };
+  std::array<State, kRadars> states_;
   std::mutex mutex_;
   Ticker ticker_{13.0 * kRadars, [this] { publishNext(); }};
 };

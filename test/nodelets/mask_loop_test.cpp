@@ -37,7 +37,6 @@ class MaskLoop : public testing::Test {
   void send(const MaskSource& source) {
     radars_.set(LiveRadars::kFront, [this, source](const sensor_msgs::PointCloud2& scan) {
       mask_.publish(source(scan.header.stamp - ros::Duration(0.05)));
-      return true;
     });
   }
   /// Mean number of dynamic returns of the estimates to come; -1 when none come.

@@ -146,7 +146,7 @@ TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
   std::cout << "IoU over " << compared << " annotated images: " << iou << '\n';
   RecordProperty("iou_percent", static_cast<int>(100.0 * iou));
   EXPECT_GE(compared, truths.count() / 2);
-  EXPECT_GT(iou, 0.25);
+  EXPECT_GT(iou, 0.38);  // 0.46, where no pair is dropped
   EXPECT_GT(odometry.count(), 30U);
   // Before the drive begins they rightly miss their input.
   EXPECT_FALSE(diagnostics.seen("decode_image: decoder", diagnostic_msgs::DiagnosticStatus::ERROR));
