@@ -242,7 +242,7 @@ TEST_F(FaultsTest, WrongStampsResetNothing) {
   const Recorder<rosgraph_msgs::Log> log(handle_, "/rosout");
   ros::Publisher twists = handle_.advertise<TwistWithCovarianceStamped>("ego/twist", 10);
   const LiveRotation rotation(handle_);
-  ASSERT_TRUE(waitUntil([&] { return gyro.count() > 60 && aided.count() > 60; }));
+  ASSERT_TRUE(waitUntil([&] { return gyro.count() > 20 && aided.count() > 20; }));
   const std::size_t gyro_before = gyro.count(), aided_before = aided.count();
   const auto isReset = [](const rosgraph_msgs::LogConstPtr& line) {
     return line->msg.find("resetting") != std::string::npos;
@@ -253,7 +253,8 @@ TEST_F(FaultsTest, WrongStampsResetNothing) {
   };
   const auto resets_before = resets();
   const auto expectAllGoOn = [&] {
-    for (const auto* poses : {&gyro, &aided}) EXPECT_TRUE(poses->grows(7));
+    const std::size_t gyro_now = gyro.count(), aided_now = aided.count();
+    EXPECT_TRUE(waitUntil([&] { return gyro.count() > gyro_now + 5 && aided.count() > aided_now + 5; }));
   };
 
   TwistWithCovarianceStamped twist;

@@ -26,9 +26,9 @@ using Fault = LiveCamera::Fault;
 
 class ImageInputs : public testing::Test {
  protected:
-  void expectReported(const Fault& fault, const std::string& name, int level, const std::string& words) {
+  void expectReported(const Fault& fault, const std::string& name, const std::string& words) {
     camera_.set(fault);
-    EXPECT_TRUE(diagnostics_.says(name, level, words));
+    EXPECT_TRUE(diagnostics_.says(name, DiagnosticStatus::WARN, words));
     camera_.set({});
     EXPECT_TRUE(diagnostics_.says(name, DiagnosticStatus::OK, ""));
   }
@@ -84,22 +84,20 @@ TEST_F(ImageInputs, FlowThatStartsFromTheExpectedOneWaitsForIt) {
   ASSERT_TRUE(flows.grows());
   // Without depth it goes on without an initial flow, and says so.
   expectReported([](Frame& frame) { frame.depth.header.stamp += ros::Duration(0.001); },
-                 "expected_flow: flow", DiagnosticStatus::WARN, "without an initial flow");
+                 "expected_flow: flow", "without an initial flow");
 }
 
 TEST_F(ImageInputs, WrongImagesAreRefused) {
   const Recorder<Flow> raw(handle_, "raw_flow/flow");
   const Recorder<Flow> compressed(handle_, "backward_flow/flow");
   ASSERT_TRUE(raw.grows());
-  expectReported([](Frame& frame) { frame.image.encoding = "purple8"; }, "raw_flow: input image",
-                 DiagnosticStatus::ERROR, "purple8");
-  expectReported([](Frame& frame) { frame.image.data.resize(10); }, "raw_flow: input image",
-                 DiagnosticStatus::ERROR, "image");
+  expectReported([](Frame& frame) { frame.image.encoding = "purple8"; }, "raw_flow: input image", "purple8");
+  expectReported([](Frame& frame) { frame.image.data.resize(10); }, "raw_flow: input image", "image");
   expectReported([](Frame& frame) { frame.image.width = frame.image.height = 0; }, "raw_flow: input image",
-                 DiagnosticStatus::ERROR, "empty");
+                 "empty");
   expectReported(
       [](Frame& frame) { frame.compressed.data.resize(frame.compressed.data.size() > 30 ? 30 : 0); },
-      "backward_flow: input image", DiagnosticStatus::ERROR, "decoded");
+      "backward_flow: input image", "decoded");
   EXPECT_TRUE(raw.grows());
   EXPECT_TRUE(compressed.grows());
 }
@@ -170,7 +168,7 @@ TEST_F(ImageInputs, SomebodyElsesDepthIsCleaned) {
   });
   EXPECT_TRUE(waitUntil([&] { return std::isnan(depthAt(*depths.latest(), 40, 40)); }));
   expectReported([](Frame& frame) { frame.depth.encoding = "bgr8"; }, "topic_depth: input depth/input",
-                 DiagnosticStatus::ERROR, "bgr8");
+                 "bgr8");
 }
 
 // With the stamp and the grid of the depth, and known where that is.

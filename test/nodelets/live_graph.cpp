@@ -141,7 +141,9 @@ testing::AssertionResult Diagnostics::says(const std::string& name, int level,
   Status status;
   const bool said = waitUntil([&] {
     status = latest(name);
-    return status.level == level && status.message.find(words) != std::string::npos;
+    const bool as_bad =
+        level == diagnostic_msgs::DiagnosticStatus::OK ? status.level == level : status.level >= level;
+    return as_bad && status.message.find(words) != std::string::npos;
   });
   if (said) return testing::AssertionSuccess();
   return testing::AssertionFailure() << name << " is " << status.level << ": '" << status.message

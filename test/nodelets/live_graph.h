@@ -111,7 +111,7 @@ class Diagnostics {
   bool seen(const std::string& name, int level) const;
   /// Waits for two more statuses `name`: the second is younger than the call.
   bool renews(const std::string& name) const;
-  /// Waits until the latest status `name` has this level and contains these words.
+  /// Waits until the latest status `name` is OK, or as bad as `level`, and contains these words.
   testing::AssertionResult says(const std::string& name, int level, const std::string& words) const;
 
  private:

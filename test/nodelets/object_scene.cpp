@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
+#include "float_cloud.h"
 #include "live_radars.h"
 
 namespace radar_dot::test {
@@ -73,28 +73,15 @@ sensor_msgs::PointCloud2 ObjectScene::scan(std::size_t radar, double seconds) {
     }
   }
 
-  sensor_msgs::PointCloud2 cloud;
+  sensor_msgs::PointCloud2 cloud = floatCloud({"x", "y", "z", "doppler"}, values);
   cloud.header.stamp = stampAt(seconds);
   cloud.header.frame_id = radars_[radar].name;
-  for (const char* name : {"x", "y", "z", "doppler"}) {
-    sensor_msgs::PointField& field = cloud.fields.emplace_back();
-    field.name = name;
-    field.offset = cloud.point_step;
-    field.datatype = sensor_msgs::PointField::FLOAT32;
-    field.count = 1;
-    cloud.point_step += 4;
-  }
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(values.size() / cloud.fields.size());
-  cloud.row_step = cloud.width * cloud.point_step;
-  cloud.data.resize(cloud.row_step);
-  std::memcpy(cloud.data.data(), values.data(), cloud.data.size());
   return cloud;
 }
 
 void ObjectScene::drive(double begin, double end) {
   const double step = kPeriod / static_cast<double>(radars_.size());
-  ros::WallTime next = ros::WallTime::now();
+  ros::WallRate pace(kRate / step);
   std::size_t radar = 0;
   for (double seconds = begin; seconds < end && ros::ok(); seconds += step) {
     rosgraph_msgs::Clock clock;
@@ -103,9 +90,7 @@ void ObjectScene::drive(double begin, double end) {
     before_scan(seconds);
     publishers_[radar].publish(scan(radar, seconds));
     radar = (radar + 1) % radars_.size();
-    next += ros::WallDuration(step / kRate);
-    const ros::WallDuration rest = next - ros::WallTime::now();
-    if (rest > ros::WallDuration(0.0)) rest.sleep();
+    pace.sleep();
   }
 }
 

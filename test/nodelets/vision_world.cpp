@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "fixtures/camera_mount.h"
+#include "nodelets/float_cloud.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "radar_dot/vision/rigid_motion.h"
 
@@ -115,23 +116,11 @@ cv::Mat matOf(const sensor_msgs::Image& message, int type) {
 
 sensor_msgs::PointCloud2 cloudOf(const ros::Time& stamp, const std::string& frame,
                                  const std::vector<Eigen::Vector3f>& points) {
-  sensor_msgs::PointCloud2 cloud;
+  std::vector<float> values;
+  for (const Eigen::Vector3f& point : points) values.insert(values.end(), point.data(), point.data() + 3);
+  sensor_msgs::PointCloud2 cloud = floatCloud({"x", "y", "z"}, values);
   cloud.header.stamp = stamp;
   cloud.header.frame_id = frame;
-  for (const char* name : {"x", "y", "z"}) {
-    sensor_msgs::PointField field;
-    field.name = name;
-    field.offset = static_cast<std::uint32_t>(4 * cloud.fields.size());
-    field.datatype = sensor_msgs::PointField::FLOAT32;
-    field.count = 1;
-    cloud.fields.push_back(field);
-  }
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(points.size());
-  cloud.point_step = 12;
-  cloud.row_step = cloud.point_step * cloud.width;
-  cloud.data.resize(cloud.row_step);
-  if (!points.empty()) std::memcpy(cloud.data.data(), points.front().data(), cloud.data.size());
   return cloud;
 }
 
