@@ -78,7 +78,10 @@ class Recorder {
     const std::lock_guard<std::mutex> lock(mutex_);
     return messages_;
   }
-  boost::shared_ptr<const Message> latest() const { return messages().back(); }
+  boost::shared_ptr<const Message> latest() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return messages_.back();
+  }
   std::size_t count() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return messages_.size();

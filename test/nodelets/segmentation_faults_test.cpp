@@ -96,7 +96,13 @@ class LiveWorld {
 
 class SegmentationFaults : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(masks_.grows()); }
+  static void SetUpTestSuite() { graph_ = std::make_unique<Graph>(); }
+  static void TearDownTestSuite() { graph_.reset(); }
+  void SetUp() override {
+    world_.set({});
+    world_.setBackward(false);
+    ASSERT_TRUE(masks_.grows());
+  }
 
   /// Runs a fault until `name` reports it; the nodelet must then get over it.
   void expectReported(const Fault& fault, const std::string& name, const std::string& words,
@@ -136,14 +142,22 @@ class SegmentationFaults : public testing::Test {
     EXPECT_LT(largestStaticResidual(*residuals_.latest()), 0.02);
   }
 
-  ros::NodeHandle handle_;
-  Recorder<Image> masks_{handle_, "dynamic/mask"};
-  Recorder<Image> valids_{handle_, "dynamic/valid"};
-  Recorder<Image> residuals_{handle_, "dynamic/residual"};
-  Recorder<Image> unaided_{handle_, "unaided/mask"};
-  Diagnostics diagnostics_{handle_};
-  LiveWorld world_{handle_};
+  /// For all tests: connecting takes longer than most of them.
+  struct Graph {
+    ros::NodeHandle handle;
+    Recorder<Image> masks{handle, "dynamic/mask"}, valids{handle, "dynamic/valid"},
+        residuals{handle, "dynamic/residual"}, unaided{handle, "unaided/mask"};
+    Diagnostics diagnostics{handle};
+    LiveWorld world{handle};
+  };
+  static std::unique_ptr<Graph> graph_;
+  ros::NodeHandle& handle_ = graph_->handle;
+  Recorder<Image>&masks_ = graph_->masks, &valids_ = graph_->valids, &residuals_ = graph_->residuals,
+  &unaided_ = graph_->unaided;
+  Diagnostics& diagnostics_ = graph_->diagnostics;
+  LiveWorld& world_ = graph_->world;
 };
+std::unique_ptr<SegmentationFaults::Graph> SegmentationFaults::graph_;
 
 TEST_F(SegmentationFaults, MaskAtThePreviousImageIsExact) { expectExact(false); }
 
@@ -224,7 +238,7 @@ TEST_F(SegmentationFaults, TheRefinedMotionIsPublished) {
 class DepthUncertainty : public SegmentationFaults {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(masks_.grows());
+    SegmentationFaults::SetUp();
     ASSERT_TRUE(choose({{"score", "uncertainty"}, {"use_depth_uncertainty", true}, {"flow_std", 1.0}}));
     ASSERT_TRUE(masks_.grows(6));
   }
