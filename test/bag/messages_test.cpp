@@ -141,9 +141,9 @@ TEST(EgoTwists, RecoverConstantVelocityAndTurnRate) {
 TEST(EgoTwists, JitterOfThePosesDoesNotDominate) {
   const std::vector<double> times = irregularTimes(12);
   const dataset::Tables tables = arc(9.0, 0.3, 0.005, 13, times);  // 5 mm
-  const std::vector<BaseTwist> twists = egoTwists(tables, rows(times.size()));
+  const auto twists = egoTwists(tables, rows(times.size()));
   ASSERT_EQ(twists.size(), times.size());
-  for (const BaseTwist& twist : twists) EXPECT_NEAR(twist.linear.x(), 9.0, 0.4);
+  for (const auto& twist : twists) EXPECT_NEAR(twist.linear.x(), 9.0, 0.4);
 }
 
 TEST(EgoTwists, AreZeroWithoutASecondPose) {
