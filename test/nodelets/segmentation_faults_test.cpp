@@ -369,7 +369,8 @@ TEST_F(SegmentationFaults, YawRatesThatAreNotObservedGiveNoMask) {
 TEST_F(SegmentationFaults, CameraInfoMayHaveAnyStampAndComeOnce) {
   world_.set([](Frame& frame) { frame.camera.header.stamp = ros::Time(); });
   EXPECT_TRUE(masks_.grows());
-  EXPECT_TRUE(diagnostics_.says("segmentation: input camera_info", DiagnosticStatus::OK, ""));
+  EXPECT_TRUE(diagnostics_.renews("segmentation: input camera_info"));
+  EXPECT_EQ(diagnostics_.latest("segmentation: input camera_info").level, DiagnosticStatus::OK);
   world_.set([](Frame& frame) { frame.send_camera = false; });
   EXPECT_TRUE(masks_.grows(10));  // longer than silent_after
   EXPECT_TRUE(diagnostics_.renews("segmentation: input camera_info"));
