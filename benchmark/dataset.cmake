@@ -9,4 +9,8 @@ if(RADAR_DOT_HAS_TOOLS)
   add_executable(large_tables_benchmark large_tables_benchmark.cpp)
   radar_dot_configure(large_tables_benchmark)
   target_link_libraries(large_tables_benchmark PRIVATE radar_dot_dataset radar_dot_command_line fmt::fmt)
+  if(RADAR_DOT_HAS_TESTS)
+    add_test(NAME large_tables_benchmark
+      COMMAND large_tables_benchmark --rows 2000 --scenes 10 --folder ${CMAKE_CURRENT_BINARY_DIR}/small_tables)
+  endif()
 endif()

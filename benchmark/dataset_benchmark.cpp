@@ -41,8 +41,14 @@ BENCHMARK(readPcdFile)
     ->Args({125, 0})
     ->Args({125, 1});
 
+bool lacksRealData(benchmark::State& state) {
+  if (fs::exists(realData())) return false;
+  for (auto _ : state) state.SetLabel("skipped: no real data");
+  return true;
+}
+
 void readRealPcdFiles(benchmark::State& state) {
-  if (!fs::exists(realData())) return state.SkipWithError("no real data");
+  if (lacksRealData(state)) return;
   const Tables tables = Tables::load(realData());
   std::vector<fs::path> files;
   for (const SampleData& reading : tables.sample_data)
@@ -55,7 +61,7 @@ BENCHMARK(readRealPcdFiles)->Unit(benchmark::kMillisecond);
 
 /// All scenes, or one of them.
 void loadRealTables(benchmark::State& state) {
-  if (!fs::exists(realData())) return state.SkipWithError("no real data");
+  if (lacksRealData(state)) return;
   LoadOptions options;
   if (state.range(0) != 0) options.scenes = {"scene-0103"};
   for (auto _ : state) benchmark::DoNotOptimize(Tables::load(realData(), options).sample_data.size());
@@ -63,7 +69,7 @@ void loadRealTables(benchmark::State& state) {
 BENCHMARK(loadRealTables)->ArgName("one_scene")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 void readRealCanBus(benchmark::State& state) {
-  if (!fs::exists(realData())) return state.SkipWithError("no real data");
+  if (lacksRealData(state)) return;
   for (auto _ : state) benchmark::DoNotOptimize(readCanBus(realData(), "scene-0103").poses.size());
 }
 BENCHMARK(readRealCanBus)->Unit(benchmark::kMillisecond);

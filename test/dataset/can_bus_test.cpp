@@ -16,9 +16,8 @@ using test::NuscenesFixture;
 class CanBusTest : public ::testing::Test {
  protected:
   static test::FixtureOptions options() {
-    test::FixtureOptions options;
-    options.samples_per_scene = 2;
-    options.channels_on_disk = {"none"};
+    test::FixtureOptions options = test::FixtureOptions::tablesOnly();
+    options.can_bus = true;
     return options;
   }
   std::filesystem::path file(std::string_view part) const {

@@ -232,6 +232,7 @@ TEST_F(DatarootJsonTest, NumbersKeepAllTheirBits) {
   std::map<std::int64_t, const NewReading*> written;
   for (const NewScene& scene : scenes_)
     for (const NewReading& reading : scene.readings) written[reading.timestamp_us] = &reading;
+  ASSERT_FALSE(documents_["ego_pose"].Empty());
   for (const auto& row : documents_["ego_pose"].GetArray()) {
     const NewPose& pose = written.at(row["timestamp"].GetInt64())->ego_pose;
     for (rapidjson::SizeType i = 0; i < 3; ++i)
@@ -241,6 +242,7 @@ TEST_F(DatarootJsonTest, NumbersKeepAllTheirBits) {
 }
 
 TEST_F(DatarootJsonTest, MasksKnowThePointsOfTheirAnnotation) {
+  ASSERT_FALSE(documents_["nuinsseg"].Empty());
   for (const auto& row : documents_["nuinsseg"].GetArray()) {
     EXPECT_GE(row["num_lidar_pts"].GetInt(), 31);
     EXPECT_EQ(row["instance_mask"]["size"][0].GetInt(), 12);

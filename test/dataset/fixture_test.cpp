@@ -70,13 +70,16 @@ TEST(Fixture, FrontRadarSeesTheMovingBox) {
   const NuscenesFixture fixture;
   const Tables tables = Tables::load(fixture.dataroot());
   const FixtureScene& scene = fixture.scene(NuscenesFixture::kStraightScene);
-  for (const Index i : tables.readingsOf(tables.findScene(scene.name), "RADAR_FRONT")) {
+  const std::vector<Index> readings = tables.readingsOf(tables.findScene(scene.name), "RADAR_FRONT");
+  ASSERT_GT(readings.size(), 10U);
+  for (const Index i : readings) {
     const SampleData& reading = tables.sample_data[static_cast<std::size_t>(i)];
     const Eigen::Isometry3d T_box_from_sensor =
         scene.moving_box.T_map_from_box(scene.drive, reading.timestamp_us).inverse() *
         scene.drive.T_map_from_base(reading.timestamp_us) *
         tables.calibrated_sensors[static_cast<std::size_t>(reading.calibrated_sensor)].T_base_from_sensor;
     const PointCloud cloud = readPcd(tables.path(reading));
+    ASSERT_EQ(cloud.size, 40U);
     for (std::size_t k = 0; k < cloud.size; ++k) {
       const Eigen::Vector3d in_box =
           T_box_from_sensor * Eigen::Vector3d(value(cloud, k, "x"), value(cloud, k, "y"), 0.0);

@@ -136,13 +136,6 @@ TEST(InstanceMasks, PartsAreUnited) {
 /// A fixture whose first mask can be replaced by other JSON.
 class InstanceMaskFiles : public ::testing::Test {
  protected:
-  static test::FixtureOptions options() {
-    test::FixtureOptions options;
-    options.samples_per_scene = 2;
-    options.channels_on_disk = {"none"};
-    options.can_bus = false;
-    return options;
-  }
   std::vector<InstanceMask> read(const std::string& mask) {
     const std::string before = test::readFile(fixture_.table("nuinsseg"));
     const std::string key = "\"instance_mask\": ";
@@ -157,7 +150,7 @@ class InstanceMaskFiles : public ::testing::Test {
     expectDatasetError([&] { read(mask); },
                        {"other.json record 0 (token ", "field 'instance_mask'", complaint});
   }
-  NuscenesFixture fixture_{options()};
+  NuscenesFixture fixture_{test::FixtureOptions::tablesOnly()};
   Tables tables_ = Tables::load(fixture_.dataroot());
 };
 

@@ -21,13 +21,6 @@ using test::writeFile;
 /// A dataroot of its own for every test, into which the test puts one defect.
 class TablesErrors : public ::testing::Test {
  protected:
-  static test::FixtureOptions tablesOnly() {
-    test::FixtureOptions options;
-    options.samples_per_scene = 2;
-    options.channels_on_disk = {"none"};
-    options.can_bus = false;
-    return options;
-  }
   void expectError(std::initializer_list<std::string_view> parts, const LoadOptions& options = {}) const {
     expectDatasetError([&] { Tables::load(fixture_.dataroot(), options); }, parts);
   }
@@ -35,7 +28,7 @@ class TablesErrors : public ::testing::Test {
     const std::string content = readFile(fixture_.table(table));
     return content.substr(content.find("\"token\": \"") + 10, 32);
   }
-  test::NuscenesFixture fixture_{tablesOnly()};
+  test::NuscenesFixture fixture_{test::FixtureOptions::tablesOnly()};
 };
 
 const std::string kUnknown = "0123456789abcdef0123456789abcdef";

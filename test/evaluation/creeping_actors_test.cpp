@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "evaluation/simulated_dataroot.h"
+#include "fixtures/nuscenes_fixture.h"
 #include "fixtures/refusal.h"
 
 namespace radar_dot::evaluation {
@@ -32,7 +33,7 @@ cv::Mat trueMotion(const dataset::Tables& tables, Index row) {
 }
 
 TEST(CreepingActors, WhatIsCalledMovingIsNotAmongThem) {
-  const test::SimulatedDataroot dataroot(SIMULATOR);
+  const test::SimulatedDataroot dataroot;
   const CreepingActors creeping(dataroot.tables(), 0);
   int moving = 0;
   for (const Index row : keyframesOf(dataroot.tables(), 0)) {
@@ -44,7 +45,7 @@ TEST(CreepingActors, WhatIsCalledMovingIsNotAmongThem) {
 }
 
 TEST(CreepingActors, WhatMovesAndIsNotCalledSoIs) {
-  const test::SimulatedDataroot dataroot(SIMULATOR);
+  const test::SimulatedDataroot dataroot;
   dataset::Tables tables = dataroot.tables();
   for (dataset::SampleAnnotation& box : tables.annotations) box.attributes.clear();
   const CreepingActors creeping(tables, 0);
@@ -62,10 +63,9 @@ TEST(CreepingActors, WhatMovesAndIsNotCalledSoIs) {
 }
 
 TEST(CreepingActors, NeedsTheNumbersOfTheActors) {
-  const test::SimulatedDataroot dataroot(SIMULATOR);
-  const dataset::Tables& tables = dataroot.tables();
+  const test::NuscenesFixture fixture;  // has no ground truth
+  const dataset::Tables tables = dataset::Tables::load(fixture.dataroot());
   const std::string file = tables.scenes.front().name + "_instances.json";
-  std::filesystem::remove(tables.dataroot() / "ground_truth" / file);
   test::expectRefusal<dataset::DatasetError>([&] { CreepingActors(tables, 0); }, {file});
 }
 

@@ -172,7 +172,7 @@ TEST_F(FixtureFlowEvaluation, RefusesWhatItDoesNotKnow) {
 
 class SimulatedFlowEvaluation : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(SIMULATOR); }
+  static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(); }
   static void TearDownTestSuite() { dataroot_.reset(); }
   static FlowReport evaluate(const FlowEvaluationOptions& options, dataset::Index scene = 0) {
     return evaluateFlow(dataroot_->tables(), scene, options);

@@ -99,12 +99,13 @@ TEST_F(ObjectMasksTest, RegionAndReturnsAreOneObject) {
   const ObjectReport with = evaluate(options);
   options.masks.directory.clear();
   const ObjectReport without = evaluate(options);
-  EXPECT_GE(with.all().matched, 7U);
-  EXPECT_GE(with.all().matched, without.all().matched);
+  EXPECT_EQ(with.all().matched, 7U);
+  EXPECT_EQ(without.all().matched, 7U);
   EXPECT_EQ(with.tracks, without.tracks);
   EXPECT_EQ(with.duplicates, 0U);
   EXPECT_EQ(with.identity_switches, 0U);
-  EXPECT_NE(meanAbsolute(with.all().errors.position), meanAbsolute(without.all().errors.position));
+  // 0.130 m and 0.137 m
+  EXPECT_LT(meanAbsolute(with.all().errors.position), 0.97 * meanAbsolute(without.all().errors.position));
 }
 
 TEST_F(ObjectMasksTest, MasksSpeakOnceTheyAreKnown) {

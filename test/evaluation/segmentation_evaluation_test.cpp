@@ -18,7 +18,7 @@ namespace {
 
 class SegmentationEvaluation : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(SIMULATOR); }
+  static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(); }
   static void TearDownTestSuite() { dataroot_.reset(); }
 
   static SegmentationReport evaluate(const SegmentationEvaluationOptions& options, dataset::Index scene = 0) {
@@ -94,7 +94,7 @@ TEST_F(SegmentationEvaluation, RadarDisAndNoisyDepthFindMovers) {
   options.optical_flow.flow.working_width = options.depth.working_width = 320;
   const SegmentationReport report = evaluate(options);
   EXPECT_EQ(report.without_motion, 0U);
-  EXPECT_GT(report.iou(), 0.05);
+  EXPECT_GT(report.iou(), 0.33);  // 0.40
 }
 
 // Keyframes are half a second apart: half of what moves leaves the view until the next, or is lost by the
@@ -110,7 +110,8 @@ TEST_F(SegmentationEvaluation, LookingBackFindsMoreMovers) {
   const SegmentationReport plain = evaluate(options);
   options.segmentation.look_back = true;
   const SegmentationReport back = evaluate(options);
-  EXPECT_GT(back.iou(), 1.1 * plain.iou());
+  EXPECT_GT(back.iou(), 0.28);  // 0.34, and 0.12 without
+  EXPECT_GT(back.iou(), 2.0 * plain.iou());
   EXPECT_GT(back.pixels.true_positives, plain.pixels.true_positives);
   // Of the first image of a scene there is no past, and with it alone nothing changes.
   options.pairs.max_pairs = 1;
@@ -119,7 +120,7 @@ TEST_F(SegmentationEvaluation, LookingBackFindsMoreMovers) {
   EXPECT_EQ(evaluate(options).pixels.true_positives, first);
   options.pairs.max_pairs = 0;
   options.segmentation.memory = 0.4;
-  EXPECT_NE(evaluate(options).pixels.true_positives, plain.pixels.true_positives);
+  EXPECT_GT(evaluate(options).iou(), 1.15 * plain.iou());  // 0.16
   // With pairs of neighbouring images the one before a pair is no part of another.
   options = {};
   options.depth.depth.backend = "noisy";
@@ -127,9 +128,12 @@ TEST_F(SegmentationEvaluation, LookingBackFindsMoreMovers) {
   options.optical_flow.flow.working_width = options.depth.working_width = 320;
   options.optical_flow.flow.forward_backward = true;
   options.segmentation.motion.score = MotionScore::kUncertainty;
-  const std::size_t once = evaluate(options).pixels.true_positives;
+  const SegmentationReport once = evaluate(options);
+  EXPECT_GT(once.iou(), 0.17);  // 0.21
   options.segmentation.look_back = true;
-  EXPECT_NE(evaluate(options).pixels.true_positives, once);
+  const SegmentationReport twice = evaluate(options);
+  EXPECT_NE(twice.pixels.true_positives, once.pixels.true_positives);
+  EXPECT_GT(twice.iou(), 0.15);  // 0.18: without refinement the past is of no use over so short a time
 }
 
 TEST_F(SegmentationEvaluation, ThePastNeedsAFlowBackAndTheScoreByUncertainty) {
@@ -151,7 +155,7 @@ TEST_F(SegmentationEvaluation, TheBestMasksAreEmptyWhereNothingMoves) {
   options = bestOptions(options);
   const SegmentationReport report = evaluate(options, 1);
   EXPECT_GT(report.frames, 0U);
-  EXPECT_LE(report.falsePositiveShare(), 0.003);
+  EXPECT_LE(report.falsePositiveShare(), 0.0005);  // 0
 }
 
 TEST_F(SegmentationEvaluation, WrongMotionFillsThePicture) {
@@ -162,7 +166,8 @@ TEST_F(SegmentationEvaluation, WrongMotionFillsThePicture) {
   const double right = evaluate(options).iou();
   options.ego_velocity.extraction.doppler_scale = -1.0;
   const double wrong = evaluate(options).iou();
-  EXPECT_LT(wrong, 0.5 * right);
+  EXPECT_GT(right, 0.3);           // 0.39
+  EXPECT_LT(wrong, 0.05 * right);  // 0.02
 }
 
 // A true depth declares 0.01: with its own word, the constant does not matter.
@@ -176,7 +181,7 @@ TEST_F(SegmentationEvaluation, UsesTheUncertaintyThatTheDepthDeclares) {
   options.segmentation.use_depth_uncertainty = true;
   const Confusion declared = evaluate(options).pixels;
   EXPECT_GT(expected.true_positives, 0U);
-  EXPECT_NE(constant.true_positives, expected.true_positives);
+  EXPECT_LT(constant.true_positives, expected.true_positives / 5);  // a tenth
   EXPECT_EQ(declared.true_positives, expected.true_positives);
   EXPECT_EQ(declared.false_positives, expected.false_positives);
 }
@@ -216,7 +221,7 @@ TEST_F(SegmentationEvaluation, MasksSpeakOnlyAfterTheirPairAndWithinTheirAge) {
   SegmentationEvaluationOptions options = plainVelocity();
   const double without = evaluate(options).velocity_error.sum;
   options.mask_to_velocity = true;
-  EXPECT_NE(evaluate(options).velocity_error.sum, without);
+  EXPECT_LT(evaluate(options).velocity_error.sum, 0.9 * without);  // 0.83
   options.ego_velocity.mask_max_age = 0.3;
   EXPECT_EQ(evaluate(options).velocity_error.sum, without);
   options = plainVelocity();

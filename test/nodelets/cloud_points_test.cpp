@@ -11,39 +11,21 @@
 #include <vector>
 
 #include "fixtures/refusal.h"
+#include "nodelets/float_cloud.h"
 
 namespace radar_dot {
 namespace {
 
 using sensor_msgs::PointField;
 using test::expectRefusal;
+using test::floatCloud;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// One row of float32 fields in the order of `names`; `values` holds them point by point.
-sensor_msgs::PointCloud2 cloudOf(const std::vector<std::string>& names, const std::vector<float>& values) {
-  sensor_msgs::PointCloud2 cloud;
-  for (const std::string& name : names) {
-    sensor_msgs::PointField field;
-    field.name = name;
-    field.offset = 4 * static_cast<std::uint32_t>(cloud.fields.size());
-    field.datatype = PointField::FLOAT32;
-    field.count = 1;
-    cloud.fields.push_back(field);
-  }
-  cloud.point_step = 4 * static_cast<std::uint32_t>(names.size());
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(values.size() / names.size());
-  cloud.row_step = cloud.width * cloud.point_step;
-  cloud.data.resize(4 * values.size());
-  if (!values.empty()) std::memcpy(cloud.data.data(), values.data(), cloud.data.size());
-  return cloud;
-}
-
 TEST(PointsOf, ReadsPositionsByNameAndTheResidual) {
   const std::vector<CloudPoint> points =
-      pointsOf(cloudOf({"residual", "z", "x", "y"}, {0.5F, 3.F, 1.F, 2.F, -0.25F, 6.F, 4.F, 5.F}));
+      pointsOf(floatCloud({"residual", "z", "x", "y"}, {0.5F, 3.F, 1.F, 2.F, -0.25F, 6.F, 4.F, 5.F}));
   ASSERT_EQ(points.size(), 2U);
   EXPECT_EQ(points[0].position, Eigen::Vector3f(1.F, 2.F, 3.F));
   EXPECT_EQ(points[0].residual, 0.5F);
@@ -53,29 +35,29 @@ TEST(PointsOf, ReadsPositionsByNameAndTheResidual) {
 
 TEST(PointsOf, OurResidualCountsWhereTheCloudHadOneBefore) {
   const std::vector<CloudPoint> points =
-      pointsOf(cloudOf({"x", "y", "z", "residual", "ego_residual"}, {1.F, 2.F, 3.F, 9.F, 0.5F}));
+      pointsOf(floatCloud({"x", "y", "z", "residual", "ego_residual"}, {1.F, 2.F, 3.F, 9.F, 0.5F}));
   ASSERT_EQ(points.size(), 1U);
   EXPECT_EQ(points[0].residual, 0.5F);
 }
 
 TEST(PointsOf, WithoutAResidualItIsNotANumber) {
-  const std::vector<CloudPoint> points = pointsOf(cloudOf({"x", "y", "z", "rcs"}, {1.F, 2.F, 3.F, 4.F}));
+  const std::vector<CloudPoint> points = pointsOf(floatCloud({"x", "y", "z", "rcs"}, {1.F, 2.F, 3.F, 4.F}));
   ASSERT_EQ(points.size(), 1U);
   EXPECT_EQ(points[0].position, Eigen::Vector3f(1.F, 2.F, 3.F));
   EXPECT_TRUE(std::isnan(points[0].residual));
 }
 
 TEST(PointsOf, LeavesOutPointsThatAreNotFinite) {
-  const std::vector<CloudPoint> points = pointsOf(cloudOf({"x", "y", "z"}, {kNaN, 2.F, 3.F,        //
-                                                                            1.F, kInfinity, 3.F,   //
-                                                                            1.F, 2.F, -kInfinity,  //
-                                                                            7.F, 8.F, 9.F}));
+  const std::vector<CloudPoint> points = pointsOf(floatCloud({"x", "y", "z"}, {kNaN, 2.F, 3.F,        //
+                                                                               1.F, kInfinity, 3.F,   //
+                                                                               1.F, 2.F, -kInfinity,  //
+                                                                               7.F, 8.F, 9.F}));
   ASSERT_EQ(points.size(), 1U);
   EXPECT_EQ(points[0].position, Eigen::Vector3f(7.F, 8.F, 9.F));
 }
 
 TEST(PointsOf, ReadsOtherTypesAndPaddedRows) {
-  sensor_msgs::PointCloud2 cloud = cloudOf({"x", "y", "z"}, {0.F, 0.F, 0.F});
+  sensor_msgs::PointCloud2 cloud = floatCloud({"x", "y", "z"}, {0.F, 0.F, 0.F});
   cloud.fields[0].datatype = PointField::FLOAT64;
   cloud.fields[1].offset = 8;
   cloud.fields[1].datatype = PointField::INT16;
@@ -100,19 +82,20 @@ TEST(PointsOf, ReadsOtherTypesAndPaddedRows) {
 
 TEST(PointsOf, EmptyCloudsAreNormal) {
   EXPECT_TRUE(pointsOf({}).empty());
-  EXPECT_TRUE(pointsOf(cloudOf({"x", "y", "z"}, {})).empty());
+  EXPECT_TRUE(pointsOf(floatCloud({"x", "y", "z"}, {})).empty());
 }
 
 TEST(PointsOf, NeedsThreeCoordinates) {
-  expectRefusal<std::invalid_argument>([] { pointsOf(cloudOf({"x", "y"}, {1.F, 2.F})); }, {"x, y;", "z"});
-  expectRefusal<std::invalid_argument>([] { pointsOf(cloudOf({"range"}, {1.F})); }, {"range", "x, y and z"});
+  expectRefusal<std::invalid_argument>([] { pointsOf(floatCloud({"x", "y"}, {1.F, 2.F})); }, {"x, y;", "z"});
+  expectRefusal<std::invalid_argument>([] { pointsOf(floatCloud({"range"}, {1.F})); },
+                                       {"range", "x, y and z"});
 }
 
 TEST(PointsOf, RefusesSizesThatContradictEachOther) {
-  sensor_msgs::PointCloud2 cloud = cloudOf({"x", "y", "z"}, {1.F, 2.F, 3.F});
+  sensor_msgs::PointCloud2 cloud = floatCloud({"x", "y", "z"}, {1.F, 2.F, 3.F});
   cloud.data.pop_back();
   EXPECT_THROW(pointsOf(cloud), std::invalid_argument);
-  cloud = cloudOf({"x", "y", "z"}, {1.F, 2.F, 3.F});
+  cloud = floatCloud({"x", "y", "z"}, {1.F, 2.F, 3.F});
   cloud.point_step = 0;
   EXPECT_THROW(pointsOf(cloud), std::invalid_argument);
 }
@@ -121,7 +104,7 @@ TEST(PointsOf, RefusesSizesThatContradictEachOther) {
 TEST(PointsOf, RefusesFieldsThatDoNotFitIntoAPoint) {
   for (const char* name : {"x", "y", "z", "residual"}) {
     sensor_msgs::PointCloud2 cloud =
-        cloudOf({"x", "y", "z", "residual"}, {1.F, 2.F, 3.F, 4.F, 5.F, 6.F, 7.F, 8.F});
+        floatCloud({"x", "y", "z", "residual"}, {1.F, 2.F, 3.F, 4.F, 5.F, 6.F, 7.F, 8.F});
     cloud.width = 1;
     EXPECT_EQ(pointsOf(cloud).size(), 1U);
     for (sensor_msgs::PointField& field : cloud.fields)
@@ -132,7 +115,7 @@ TEST(PointsOf, RefusesFieldsThatDoNotFitIntoAPoint) {
 
 TEST(PointsOf, RefusesFieldsOfNoKnownType) {
   for (const std::uint8_t type : {std::uint8_t{0}, std::uint8_t{9}}) {
-    sensor_msgs::PointCloud2 cloud = cloudOf({"x", "y", "z"}, {1.F, 2.F, 3.F});
+    sensor_msgs::PointCloud2 cloud = floatCloud({"x", "y", "z"}, {1.F, 2.F, 3.F});
     cloud.fields[1].datatype = type;
     expectRefusal<std::invalid_argument>([&] { pointsOf(cloud); }, {"y"});
   }

@@ -5,13 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "fixtures/refusal.h"
+#include "nodelets/float_cloud.h"
 
 namespace radar_dot {
 namespace {
@@ -23,23 +23,11 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 /// x, y, z (m) and residual (m/s) of each point.
 sensor_msgs::PointCloud2 cloudOf(const std::string& frame, double stamp, const std::vector<float>& values,
                                  std::uint32_t columns = 4) {
-  sensor_msgs::PointCloud2 cloud;
+  std::vector<std::string> names = {"x", "y", "z", "residual"};
+  names.resize(columns);
+  sensor_msgs::PointCloud2 cloud = test::floatCloud(names, values);
   cloud.header.frame_id = frame;
   cloud.header.stamp = ros::Time(stamp);
-  const std::vector<std::string> names = {"x", "y", "z", "residual"};
-  for (std::uint32_t i = 0; i < columns; ++i) {
-    sensor_msgs::PointField& field = cloud.fields.emplace_back();
-    field.name = names[i];
-    field.offset = 4 * i;
-    field.datatype = sensor_msgs::PointField::FLOAT32;
-    field.count = 1;
-  }
-  cloud.point_step = 4 * columns;
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(values.size()) / columns;
-  cloud.row_step = cloud.width * cloud.point_step;
-  cloud.data.resize(cloud.row_step);
-  if (!values.empty()) std::memcpy(cloud.data.data(), values.data(), cloud.data.size());
   return cloud;
 }
 

@@ -35,14 +35,9 @@ LiveCamera::LiveCamera(ros::NodeHandle& handle)
       lidar_(handle.advertise<sensor_msgs::PointCloud2>("lidar", 10)),
       mask_(handle.advertise<Image>("test/mask", 10)),
       valid_(handle.advertise<Image>("test/valid", 10)),
-      expected_(handle.advertise<Image>("test/expected_flow", 10)) {
+      expected_(handle.advertise<Image>("test/expected_flow", 10)),
+      ticker_(1.0 / VisionWorld::kPeriod, [this] { publish(); }) {
   broadcaster_.sendTransform(VisionWorld::mount());
-  thread_ = std::thread([this] { run(); });
-}
-
-LiveCamera::~LiveCamera() {
-  stop_ = true;
-  thread_.join();
 }
 
 void LiveCamera::set(const Fault& fault) {
@@ -50,33 +45,29 @@ void LiveCamera::set(const Fault& fault) {
   fault_ = fault;
 }
 
-void LiveCamera::run() {
-  ros::WallRate rate(1.0 / VisionWorld::kPeriod);
-  for (int i = 0; !stop_ && ros::ok(); ++i) {
-    const ros::Time stamp = ros::Time::now();
-    Frame frame;
-    frame.image = VisionWorld::image(stamp, std::fmod(kShift * i, kWrap));
-    frame.compressed = compress(frame.image);
-    frame.depth = imageOf(stamp, "16UC1", cv::Mat(180, 320, CV_16UC1, cv::Scalar(7500)));
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (fault_) fault_(frame);
-    }
-    // The scans are a tenth of a second old when the image is taken: the vehicle has come nearer.
-    const ros::Time scan = stamp - ros::Duration(0.1);
-    twist_.publish(VisionWorld::twist(stamp));
-    camera_.publish(VisionWorld::cameraInfo(stamp));
-    radar_.publish(cloudOf(scan, "base_link", {{kReturnAhead, 0.0F, 0.5F}}));
-    lidar_.publish(cloudOf(scan, "base_link", {{kReturnAhead, 0.0F, 1.5F}, {NAN, 0.0F, 0.0F}}));
-    ros::WallDuration(0.01).sleep();  // so that they are there before the image
-    image_.publish(frame.image);
-    compressed_.publish(frame.compressed);
-    depth_.publish(frame.depth);
-    mask_.publish(imageOf(stamp, "mono8", cv::Mat::zeros(180, 320, CV_8UC1)));
-    valid_.publish(imageOf(stamp, "mono8", cv::Mat(180, 320, CV_8UC1, cv::Scalar(255))));
-    expected_.publish(imageOf(stamp, "32FC2", cv::Mat::zeros(90, 160, CV_32FC2)));
-    rate.sleep();
+void LiveCamera::publish() {
+  const ros::Time stamp = ros::Time::now();
+  Frame frame;
+  frame.image = VisionWorld::image(stamp, std::fmod(kShift * count_++, kWrap));
+  frame.compressed = compress(frame.image);
+  frame.depth = imageOf(stamp, "16UC1", cv::Mat(180, 320, CV_16UC1, cv::Scalar(7500)));
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (fault_) fault_(frame);
   }
+  // The scans are a tenth of a second old when the image is taken: the vehicle has come nearer.
+  const ros::Time scan = stamp - ros::Duration(0.1);
+  twist_.publish(VisionWorld::twist(stamp));
+  camera_.publish(VisionWorld::cameraInfo(stamp));
+  radar_.publish(cloudOf(scan, "base_link", {{kReturnAhead, 0.0F, 0.5F}}));
+  lidar_.publish(cloudOf(scan, "base_link", {{kReturnAhead, 0.0F, 1.5F}, {NAN, 0.0F, 0.0F}}));
+  ros::WallDuration(0.01).sleep();  // so that they are there before the image
+  image_.publish(frame.image);
+  compressed_.publish(frame.compressed);
+  depth_.publish(frame.depth);
+  mask_.publish(imageOf(stamp, "mono8", cv::Mat::zeros(180, 320, CV_8UC1)));
+  valid_.publish(imageOf(stamp, "mono8", cv::Mat(180, 320, CV_8UC1, cv::Scalar(255))));
+  expected_.publish(imageOf(stamp, "32FC2", cv::Mat::zeros(90, 160, CV_32FC2)));
 }
 
 }  // namespace radar_dot::test

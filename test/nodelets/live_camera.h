@@ -7,10 +7,10 @@
 #include <sensor_msgs/Image.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
-#include <atomic>
 #include <functional>
 #include <mutex>
-#include <thread>
+
+#include "live_graph.h"
 
 namespace radar_dot::test {
 
@@ -30,18 +30,17 @@ class LiveCamera {
   using Fault = std::function<void(Frame&)>;
 
   explicit LiveCamera(ros::NodeHandle& handle);
-  ~LiveCamera();
   void set(const Fault& fault);
 
  private:
-  void run();
+  void publish();
 
   ros::Publisher image_, compressed_, depth_, camera_, twist_, radar_, lidar_, mask_, valid_, expected_;
   tf2_ros::StaticTransformBroadcaster broadcaster_;
   std::mutex mutex_;
   Fault fault_;
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
+  int count_ = 0;  // of images
+  Ticker ticker_;
 };
 
 }  // namespace radar_dot::test

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live_graph.h"
 
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
+#include <sstream>
 #include <stdexcept>
 
 namespace radar_dot::test {
@@ -18,6 +20,53 @@ bool waitUntil(const std::function<bool()>& condition, double timeout) {
     ros::WallDuration(0.02).sleep();
   }
   return true;
+}
+
+namespace {
+
+template <typename List, typename Value>
+void append(List& list, const std::string& name, const Value& value) {
+  auto& parameter = list.emplace_back();
+  parameter.name = name;
+  parameter.value = value;
+}
+
+struct Appender {
+  dynamic_reconfigure::Config& config;
+  const std::string& name;
+  void operator()(bool value) const { append(config.bools, name, value); }
+  void operator()(double value) const { append(config.doubles, name, value); }
+  void operator()(const std::string& value) const { append(config.strs, name, value); }
+};
+
+}  // namespace
+
+std::map<std::string, std::string> reconfigure(const std::string& nodelet,
+                                               const std::vector<Setting>& settings) {
+  dynamic_reconfigure::Reconfigure call;
+  for (const Setting& setting : settings)
+    std::visit(Appender{call.request.config, setting.name}, setting.value);
+  const std::string service = nodelet + "/set_parameters";
+  EXPECT_TRUE(ros::service::waitForService(service, ros::Duration(kPatience)));
+  std::map<std::string, std::string> in_use;
+  if (!ros::service::call(service, call)) return in_use;
+  for (const auto& parameter : call.response.config.strs) in_use[parameter.name] = parameter.value;
+  for (const auto& parameter : call.response.config.doubles) {
+    std::ostringstream text;
+    text << parameter.value;
+    in_use[parameter.name] = text.str();
+  }
+  return in_use;
+}
+
+Ticker::Ticker(double rate, const std::function<void()>& tick)
+    : thread_([this, rate, tick] {
+        for (ros::WallRate pace(rate); !stop_ && ros::ok(); pace.sleep()) tick();
+      }) {}
+
+Ticker::~Ticker() {
+  stop_ = true;
+  thread_.join();
 }
 
 BagPlayer::BagPlayer(const std::vector<std::string>& arguments) {
@@ -75,6 +124,30 @@ Diagnostics::Status Diagnostics::latest(const std::string& name) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = history_.find(name);
   return found == history_.end() ? Status{} : found->second.back();
+}
+
+bool Diagnostics::renews(const std::string& name) const {
+  const auto count = [&] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = history_.find(name);
+    return found == history_.end() ? 0 : found->second.size();
+  };
+  const std::size_t before = count();
+  return waitUntil([&] { return count() >= before + 2; });
+}
+
+testing::AssertionResult Diagnostics::says(const std::string& name, int level,
+                                           const std::string& words) const {
+  Status status;
+  const bool said = waitUntil([&] {
+    status = latest(name);
+    const bool as_bad =
+        level == diagnostic_msgs::DiagnosticStatus::OK ? status.level == level : status.level >= level;
+    return as_bad && status.message.find(words) != std::string::npos;
+  });
+  if (said) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << name << " is " << status.level << ": '" << status.message
+                                     << "' and not " << level << ": '" << words << "'";
 }
 
 bool Diagnostics::seen(const std::string& name, int level) const {

@@ -3,19 +3,51 @@
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <sys/types.h>
 
+#include <atomic>
 #include <functional>
 #include <map>
 #include <mutex>
 #include <string>
+#include <thread>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 namespace radar_dot::test {
 
+constexpr double kPatience = 15.0;  ///< s; machines are slow at times
+
 /// Waits (wall time) until `condition` holds. @return false after `timeout` seconds.
-bool waitUntil(const std::function<bool()>& condition, double timeout);
+bool waitUntil(const std::function<bool()>& condition, double timeout = kPatience);
+
+/// A parameter and its new value: a bool, a double or a text.
+struct Setting {
+  template <typename Value>
+  Setting(const char* parameter, const Value& new_value)
+      : name(parameter),
+        value(std::conditional_t<std::is_arithmetic_v<Value>, Value, std::string>(new_value)) {}
+  std::string name;
+  std::variant<bool, double, std::string> value;
+};
+
+/// Changes parameters of a nodelet. @return the texts and numbers in use afterwards; none: rejected
+std::map<std::string, std::string> reconfigure(const std::string& nodelet,
+                                               const std::vector<Setting>& settings);
+
+/// Calls a function at a rate (Hz, wall time) from a thread, until the end of its life.
+class Ticker {
+ public:
+  Ticker(double rate, const std::function<void()>& tick);
+  ~Ticker();
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
 
 /// `rosbag play` as a child process, ended with the object.
 class BagPlayer {
@@ -46,9 +78,19 @@ class Recorder {
     const std::lock_guard<std::mutex> lock(mutex_);
     return messages_;
   }
+  boost::shared_ptr<const Message> latest() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return messages_.back();
+  }
   std::size_t count() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return messages_.size();
+  }
+  /// Waits for so many more messages.
+  testing::AssertionResult grows(std::size_t more = 3) const {
+    const std::size_t before = count();
+    if (waitUntil([&] { return count() >= before + more; })) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << count() - before << " messages on " << subscriber_.getTopic();
   }
 
  private:
@@ -70,7 +112,10 @@ class Diagnostics {
   Status latest(const std::string& name) const;
   /// True when a status `name` of this level ever arrived.
   bool seen(const std::string& name, int level) const;
-  bool received(const std::string& name) const { return latest(name).level >= 0; }
+  /// Waits for two more statuses `name`: the second is younger than the call.
+  bool renews(const std::string& name) const;
+  /// Waits until the latest status `name` is OK, or as bad as `level`, and contains these words.
+  testing::AssertionResult says(const std::string& name, int level, const std::string& words) const;
 
  private:
   mutable std::mutex mutex_;

@@ -257,12 +257,3 @@ TEST(LiveAndOffline, TwistsAndMasksAreTheSame) {
 
 }  // namespace
 }  // namespace radar_dot::test
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "live_offline_test");
-  const ros::NodeHandle keeper;
-  ros::AsyncSpinner spinner(3);
-  spinner.start();
-  return RUN_ALL_TESTS();
-}

@@ -43,14 +43,14 @@ TEST(LoopTest, EachRoundOfTheBagIsLikeTheFirst) {
   const TemporaryFolder folder;
   const std::string bag = (folder.path() / "drive.bag").string();
   writeSyntheticBag(drive, bag);
-  ASSERT_TRUE(waitUntil([&] { return twists.connected() && odometry.connected(); }, 10.0));
+  ASSERT_TRUE(waitUntil([&] { return twists.connected() && odometry.connected(); }));
   {
     // /tf of the bag would give base_link a second parent. The mounts come in the first round only.
     BagPlayer player({"--clock", "--rate=2", "--delay=1.5", "--loop", bag, "--topics", "/tf_static",
                       "/radar_front", "/radar_front_left", "/radar_front_right", "/radar_back_left",
                       "/radar_back_right", "/ground_truth/odom"});
     const auto full_rounds = [&] { return rounds(odometry.messages()).size() >= 4; };
-    ASSERT_TRUE(waitUntil(full_rounds, 20.0)) << "time did not go back, or the nodelets stopped";
+    ASSERT_TRUE(waitUntil(full_rounds, 60.0)) << "time did not go back, or the nodelets stopped";
   }
 
   const auto twist_rounds = rounds(twists.messages());
@@ -92,12 +92,3 @@ TEST(LoopTest, EachRoundOfTheBagIsLikeTheFirst) {
 
 }  // namespace
 }  // namespace radar_dot::test
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "loop_test");
-  ros::AsyncSpinner spinner(1);
-  ros::NodeHandle keep_alive;
-  spinner.start();
-  return RUN_ALL_TESTS();
-}

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // A car crosses before a vehicle with five radars: from raw clouds to objects, with all that can go wrong.
-#include <dynamic_reconfigure/Reconfigure.h>
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
@@ -45,8 +44,9 @@ class MovingObjectsTest : public ::testing::Test {
   }
 
   void SetUp() override {
-    ASSERT_TRUE(waitUntil(
-        [this] { return objects_.connected() && in_base_.connected() && markers_.connected(); }, 10.0));
+    ASSERT_TRUE(waitUntil([this] {
+      return objects_.connected() && in_base_.connected() && markers_.connected() && scene_->heard();
+    }));
     scene_->before_scan = [](double) {};
     scene_->car.reset();
     drive(1.5);  // the nodelets find their audience, tracks of the test before end
@@ -55,7 +55,12 @@ class MovingObjectsTest : public ::testing::Test {
   void drive(double duration) {
     scene_->drive(time_, time_ + duration);
     time_ += duration;
-    ros::WallDuration(0.3).sleep();  // what is under way arrives
+    for (const auto* objects : {&objects_, &in_base_}) {
+      EXPECT_TRUE(waitUntil([&] {
+        const double age = objects->count() > 0 ? time_ - secondsOf(objects->latest()->header.stamp) : 1.0;
+        return age >= 0.0 && age < 0.25;
+      })) << "no objects of the latest sweeps";
+    }
   }
 
   /// A car that crosses from the right, 35 m ahead.
@@ -138,14 +143,6 @@ class MovingObjectsTest : public ::testing::Test {
     });
   }
 
-  static void reconfigure(const std::string& name, bool value) {
-    dynamic_reconfigure::Reconfigure call;
-    call.request.config.bools.emplace_back();
-    call.request.config.bools.back().name = name;
-    call.request.config.bools.back().value = value;
-    EXPECT_TRUE(ros::service::call("moving_objects/set_parameters", call));
-  }
-
   static std::unique_ptr<ros::NodeHandle> handle_;
   static std::unique_ptr<ObjectScene> scene_;
   static double time_;  // s since the beginning of the scene
@@ -185,7 +182,7 @@ TEST_F(MovingObjectsTest, ACrossingCarHasItsPositionAndVelocityAndOneId) {
   EXPECT_TRUE(latestObjects().empty());
   EXPECT_EQ(namespacesOf(Marker::DELETE, marker_id), all);
   EXPECT_TRUE(
-      waitUntil([this] { return diagnostics_.seen("moving_objects: objects", DiagnosticStatus::OK); }, 3.0));
+      waitUntil([this] { return diagnostics_.seen("moving_objects: objects", DiagnosticStatus::OK); }));
 }
 
 TEST_F(MovingObjectsTest, WhatStandsIsNoObject) {
@@ -217,7 +214,7 @@ TEST_F(MovingObjectsTest, BadMessagesAreNamedAndHarmNobody) {
   ros::Publisher clouds = handle_->advertise<PointCloud2>("radar/dynamic", 10);
   ros::Publisher twists = handle_->advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
   ros::Publisher poses = handle_->advertise<nav_msgs::Odometry>("odom", 10);
-  ASSERT_TRUE(waitUntil([&] { return clouds.getNumSubscribers() + poses.getNumSubscribers() > 2; }, 5.0));
+  ASSERT_TRUE(waitUntil([&] { return clouds.getNumSubscribers() + poses.getNumSubscribers() > 2; }));
   const auto send = [&](int kind, double seconds) {
     PointCloud2 cloud = goodCloud(seconds);
     nav_msgs::Odometry pose;
@@ -301,8 +298,8 @@ TEST_F(MovingObjectsTest, WhenTimeGoesBackAllIsReset) {
 
 TEST_F(MovingObjectsTest, RegionsOfMasksTellWhereObjectsAreInTheImage) {
   LiveMask mask(*handle_);
-  reconfigure("use_mask", true);
-  EXPECT_TRUE(waitUntil([&] { return mask.heard(); }, 5.0)) << "masks have no subscriber";
+  EXPECT_FALSE(reconfigure("moving_objects", {{"use_mask", true}}).empty());
+  EXPECT_TRUE(waitUntil([&] { return mask.heard(); })) << "masks have no subscriber";
   double next = time_;
   const auto sendEveryTenth = [&](double seconds) {
     if (seconds < next) return;
@@ -337,26 +334,17 @@ TEST_F(MovingObjectsTest, RegionsOfMasksTellWhereObjectsAreInTheImage) {
   scene_->before_scan = only_mask;
   drive(1.3);
   EXPECT_TRUE(latestObjects().empty());
-  reconfigure("mask_starts_tracks", true);
+  EXPECT_FALSE(reconfigure("moving_objects", {{"mask_starts_tracks", true}}).empty());
   drive(0.7);
   const auto alone = latestObjects();
   EXPECT_EQ(alone.size(), 1U);
   if (!alone.empty()) {
     EXPECT_EQ(alone[0].return_count, 0U);
   }
-  reconfigure("mask_starts_tracks", false);
-  reconfigure("use_mask", false);
-  EXPECT_TRUE(waitUntil([&] { return !mask.heard(); }, 5.0));
+  EXPECT_FALSE(reconfigure("moving_objects", {{"mask_starts_tracks", false}}).empty());
+  EXPECT_FALSE(reconfigure("moving_objects", {{"use_mask", false}}).empty());
+  EXPECT_TRUE(waitUntil([&] { return !mask.heard(); }));
 }
 
 }  // namespace
 }  // namespace radar_dot::test
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "moving_objects_test");
-  ros::AsyncSpinner spinner(1);
-  ros::NodeHandle keep_alive;
-  spinner.start();
-  return RUN_ALL_TESTS();
-}

@@ -4,8 +4,11 @@
 
 #include <rosgraph_msgs/Clock.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
+
+#include "float_cloud.h"
+#include "live_radars.h"
 
 namespace radar_dot::test {
 namespace {
@@ -25,14 +28,13 @@ Eigen::Isometry3d isometryOf(const geometry_msgs::TransformStamped& mount) {
 }  // namespace
 
 ObjectScene::ObjectScene(ros::NodeHandle& handle)
-    : clock_(handle.advertise<rosgraph_msgs::Clock>("/clock", 10)), radars_(syntheticRadars()) {
-  std::vector<geometry_msgs::TransformStamped> mounts;
-  for (const SyntheticRadar& radar : radars_) {
-    publishers_.push_back(handle.advertise<sensor_msgs::PointCloud2>(radar.name, 10));
-    mounts.push_back(radar.mount);
-    mounts.back().header.stamp = stampAt(0.0);
-  }
-  broadcaster_.sendTransform(mounts);
+    : clock_(handle.advertise<rosgraph_msgs::Clock>("/clock", 10)),
+      publishers_(advertiseRadars(handle, broadcaster_, stampAt(0.0))),
+      radars_(syntheticRadars()) {}
+
+bool ObjectScene::heard() const {
+  return std::all_of(publishers_.begin(), publishers_.end(),
+                     [](const ros::Publisher& publisher) { return publisher.getNumSubscribers() > 0; });
 }
 
 Eigen::Vector2d ObjectScene::carPosition(double seconds) const {
@@ -71,28 +73,15 @@ sensor_msgs::PointCloud2 ObjectScene::scan(std::size_t radar, double seconds) {
     }
   }
 
-  sensor_msgs::PointCloud2 cloud;
+  sensor_msgs::PointCloud2 cloud = floatCloud({"x", "y", "z", "doppler"}, values);
   cloud.header.stamp = stampAt(seconds);
   cloud.header.frame_id = radars_[radar].name;
-  for (const char* name : {"x", "y", "z", "doppler"}) {
-    sensor_msgs::PointField& field = cloud.fields.emplace_back();
-    field.name = name;
-    field.offset = cloud.point_step;
-    field.datatype = sensor_msgs::PointField::FLOAT32;
-    field.count = 1;
-    cloud.point_step += 4;
-  }
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(values.size() / cloud.fields.size());
-  cloud.row_step = cloud.width * cloud.point_step;
-  cloud.data.resize(cloud.row_step);
-  std::memcpy(cloud.data.data(), values.data(), cloud.data.size());
   return cloud;
 }
 
 void ObjectScene::drive(double begin, double end) {
   const double step = kPeriod / static_cast<double>(radars_.size());
-  ros::WallTime next = ros::WallTime::now();
+  ros::WallRate pace(kRate / step);
   std::size_t radar = 0;
   for (double seconds = begin; seconds < end && ros::ok(); seconds += step) {
     rosgraph_msgs::Clock clock;
@@ -101,9 +90,7 @@ void ObjectScene::drive(double begin, double end) {
     before_scan(seconds);
     publishers_[radar].publish(scan(radar, seconds));
     radar = (radar + 1) % radars_.size();
-    next += ros::WallDuration(step / kRate);
-    const ros::WallDuration rest = next - ros::WallTime::now();
-    if (rest > ros::WallDuration(0.0)) rest.sleep();
+    pace.sleep();
   }
 }
 

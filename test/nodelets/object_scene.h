@@ -31,6 +31,8 @@ class ObjectScene {
   std::function<void(double)> before_scan = [](double) {};
 
   static ros::Time stampAt(double seconds) { return ros::Time(kStart + seconds); }
+  /// Whether every scan has a subscriber.
+  bool heard() const;
   /// Of the car, base frame at `seconds`.
   Eigen::Vector2d carPosition(double seconds) const;
   Eigen::Vector2d carVelocity(double seconds) const;  ///< over ground, axes of the base frame
@@ -41,9 +43,9 @@ class ObjectScene {
   sensor_msgs::PointCloud2 scan(std::size_t radar, double seconds);
 
   ros::Publisher clock_;
+  tf2_ros::StaticTransformBroadcaster broadcaster_;
   std::vector<ros::Publisher> publishers_;
   std::vector<SyntheticRadar> radars_;
-  tf2_ros::StaticTransformBroadcaster broadcaster_;
   std::mt19937 random_{1};
 };
 

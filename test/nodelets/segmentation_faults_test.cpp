@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // DynamicSegmentation with flow, depth and velocity whose mask is known, and with every wrong input we know.
-#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -14,7 +13,6 @@
 #include <memory>
 #include <mutex>
 #include <opencv2/imgproc.hpp>
-#include <thread>
 
 #include "live_graph.h"
 #include "vision_world.h"
@@ -25,7 +23,6 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 using sensor_msgs::Image;
 
-constexpr double kPatience = 10.0;  // s; machines are slow at times
 constexpr const char* kVerdict = "segmentation: segmentation";
 
 /// Messages of one image; faults change them, or send none by clearing `send...`.
@@ -49,11 +46,6 @@ class LiveWorld {
         camera_(handle.advertise<sensor_msgs::CameraInfo>("camera_info", 10)),
         twist_(handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10)) {
     broadcaster_.sendTransform(VisionWorld::mount());
-    thread_ = std::thread([this] { run(); });
-  }
-  ~LiveWorld() {
-    stop_ = true;
-    thread_.join();
   }
   void set(const Fault& fault) {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -63,76 +55,66 @@ class LiveWorld {
   void shiftTime(double seconds) { offset_ = seconds; }
 
  private:
-  void run() {
-    ros::WallRate rate(1.0 / VisionWorld::kPeriod);
-    ros::Time before;
-    while (!stop_ && ros::ok()) {
-      // Of now, less than the tolerance behind: a clock that is not ours must not matter.
-      const ros::Time stamp = ros::Time::now() + ros::Duration(offset_);
-      Frame frame;
-      frame.depth = VisionWorld::depth(stamp);
-      frame.depth_std =
-          imageOf(stamp, "32FC1",
-                  cv::Mat(VisionWorld::kGridHeight, VisionWorld::kGridWidth, CV_32FC1, cv::Scalar(0.05)));
-      frame.camera = VisionWorld::cameraInfo(stamp);
-      frame.twist = VisionWorld::twist(stamp);
-      if (!before.isZero()) {
-        frame.flow = backward_ ? VisionWorld::flow(stamp, before) : VisionWorld::flow(before, stamp);
-        frame.flow_back = VisionWorld::flow(stamp, before);
-      }
-      Fault fault;
-      {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        fault = fault_;
-      }
-      if (fault) fault(frame);
-      if (frame.send_camera) camera_.publish(frame.camera);
-      if (frame.send_twist) twist_.publish(frame.twist);
-      if (frame.send_depth_std) depth_std_.publish(frame.depth_std);
-      if (frame.send_depth) depth_.publish(frame.depth);
-      if (!before.isZero()) {
-        flow_back_.publish(frame.flow_back);
-        flow_.publish(frame.flow);
-      }
-      before = stamp;
-      rate.sleep();
+  void publish() {
+    // Of now, less than the tolerance behind: a clock that is not ours must not matter.
+    const ros::Time stamp = ros::Time::now() + ros::Duration(offset_);
+    Frame frame;
+    frame.depth = VisionWorld::depth(stamp);
+    frame.depth_std =
+        imageOf(stamp, "32FC1",
+                cv::Mat(VisionWorld::kGridHeight, VisionWorld::kGridWidth, CV_32FC1, cv::Scalar(0.05)));
+    frame.camera = VisionWorld::cameraInfo(stamp);
+    frame.twist = VisionWorld::twist(stamp);
+    if (!before_.isZero()) {
+      frame.flow_back = VisionWorld::flow(stamp, before_);
+      frame.flow = backward_ ? frame.flow_back : VisionWorld::flow(before_, stamp);
     }
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (fault_) fault_(frame);
+    }
+    if (frame.send_camera) camera_.publish(frame.camera);
+    if (frame.send_twist) twist_.publish(frame.twist);
+    if (frame.send_depth_std) depth_std_.publish(frame.depth_std);
+    if (frame.send_depth) depth_.publish(frame.depth);
+    if (!before_.isZero()) {
+      flow_back_.publish(frame.flow_back);
+      flow_.publish(frame.flow);
+    }
+    before_ = stamp;
   }
 
   ros::Publisher flow_, flow_back_, depth_, depth_std_, camera_, twist_;
   tf2_ros::StaticTransformBroadcaster broadcaster_;
   std::mutex mutex_;
   Fault fault_;
-  std::atomic<bool> stop_{false}, backward_{false};
+  std::atomic<bool> backward_{false};
   std::atomic<double> offset_{0.0};
-  std::thread thread_;
+  ros::Time before_;  // stamp of the previous image
+  Ticker ticker_{1.0 / VisionWorld::kPeriod, [this] { publish(); }};
 };
 
 class SegmentationFaults : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(masksComeAgain()); }
-
-  /// Masks of good data, after whatever was before.
-  bool masksComeAgain() {
-    const std::size_t before = masks_.count();
-    return waitUntil([&] { return masks_.count() >= before + 3; }, kPatience);
+  static void SetUpTestSuite() { graph_ = std::make_unique<Graph>(); }
+  static void TearDownTestSuite() { graph_.reset(); }
+  void SetUp() override {
+    world_.set({});
+    world_.setBackward(false);
+    ASSERT_TRUE(masks_.grows());
   }
+
   /// Runs a fault until `name` reports it; the nodelet must then get over it.
   void expectReported(const Fault& fault, const std::string& name, const std::string& words,
                       int level = DiagnosticStatus::ERROR) {
     world_.set(fault);
-    const bool reported = waitUntil(
-        [&] {
-          const Diagnostics::Status status = diagnostics_.latest(name);
-          return status.level >= level && status.message.find(words) != std::string::npos;
-        },
-        kPatience);
-    EXPECT_TRUE(reported) << name << " says '" << diagnostics_.latest(name).message << "', not '" << words
-                          << "'";
+    EXPECT_TRUE(diagnostics_.says(name, level, words));
     world_.set({});
-    EXPECT_TRUE(masksComeAgain()) << "after " << words;
-    EXPECT_TRUE(waitUntil([&] { return diagnostics_.latest(name).level == DiagnosticStatus::OK; }, kPatience))
-        << name << " still says '" << diagnostics_.latest(name).message << "'";
+    EXPECT_TRUE(masks_.grows()) << "after " << words;
+    EXPECT_TRUE(diagnostics_.says(name, DiagnosticStatus::OK, ""));
+  }
+  static bool choose(const std::vector<Setting>& settings) {
+    return !reconfigure("segmentation", settings).empty();
   }
 
   static double maskIou(const Image& message) {
@@ -154,66 +136,49 @@ class SegmentationFaults : public testing::Test {
   /// Checks the latest mask and residual of the given direction.
   void expectExact(bool backward) {
     world_.setBackward(backward);
-    ASSERT_TRUE(masksComeAgain());
-    ASSERT_TRUE(masksComeAgain());  // none of the other direction is under way any more
-    EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
+    ASSERT_TRUE(masks_.grows(6));  // none of the other direction is under way any more
+    EXPECT_GT(maskIou(*masks_.latest()), 0.9);
     // Signs, lever arm and yaw: a wrong one would leave pixels of residual.
-    EXPECT_LT(largestStaticResidual(*residuals_.messages().back()), 0.02);
+    EXPECT_LT(largestStaticResidual(*residuals_.latest()), 0.02);
   }
 
-  ros::NodeHandle handle_;
-  Recorder<Image> masks_{handle_, "dynamic/mask"};
-  Recorder<Image> valids_{handle_, "dynamic/valid"};
-  Recorder<Image> residuals_{handle_, "dynamic/residual"};
-  Recorder<Image> unaided_{handle_, "unaided/mask"};
-  Diagnostics diagnostics_{handle_};
-  LiveWorld world_{handle_};
+  /// For all tests: connecting takes longer than most of them.
+  struct Graph {
+    ros::NodeHandle handle;
+    Recorder<Image> masks{handle, "dynamic/mask"}, valids{handle, "dynamic/valid"},
+        residuals{handle, "dynamic/residual"}, unaided{handle, "unaided/mask"};
+    Diagnostics diagnostics{handle};
+    LiveWorld world{handle};
+  };
+  static std::unique_ptr<Graph> graph_;
+  ros::NodeHandle& handle_ = graph_->handle;
+  Recorder<Image>&masks_ = graph_->masks, &valids_ = graph_->valids, &residuals_ = graph_->residuals,
+  &unaided_ = graph_->unaided;
+  Diagnostics& diagnostics_ = graph_->diagnostics;
+  LiveWorld& world_ = graph_->world;
 };
+std::unique_ptr<SegmentationFaults::Graph> SegmentationFaults::graph_;
 
 TEST_F(SegmentationFaults, MaskAtThePreviousImageIsExact) { expectExact(false); }
 
 TEST_F(SegmentationFaults, MaskAtTheCurrentImageIsExact) { expectExact(true); }
 
 TEST_F(SegmentationFaults, TheScoreByUncertaintyFindsTheSame) {
-  const auto choose = [](const std::string& score) {
-    dynamic_reconfigure::Reconfigure call;
-    dynamic_reconfigure::StrParameter parameter;
-    parameter.name = "score";
-    parameter.value = score;
-    call.request.config.strs.push_back(parameter);
-    dynamic_reconfigure::DoubleParameter flow_std;
-    flow_std.name = "flow_std";
-    flow_std.value = 1.0;
-    call.request.config.doubles.push_back(flow_std);
-    return ros::service::call("segmentation/set_parameters", call);
-  };
-  ASSERT_TRUE(choose("uncertainty"));
+  ASSERT_TRUE(choose({{"score", "uncertainty"}, {"flow_std", 1.0}}));
   expectExact(false);
   expectExact(true);
-  ASSERT_TRUE(choose("paper"));
+  ASSERT_TRUE(choose({{"score", "paper"}}));
 }
 
 // Of the patch, half is seen in every second flow only, or not at all.
 TEST_F(SegmentationFaults, ThePastTellsWhatTheFlowDoesNot) {
-  const auto choose = [](bool look_back, double memory) {
-    dynamic_reconfigure::Reconfigure call;
-    dynamic_reconfigure::StrParameter score;
-    score.name = "score";
-    score.value = look_back || memory > 0.0 ? "uncertainty" : "paper";
-    call.request.config.strs.push_back(score);
-    dynamic_reconfigure::BoolParameter back;
-    back.name = "look_back";
-    back.value = look_back;
-    call.request.config.bools.push_back(back);
+  const auto usePast = [](bool look_back, double memory) {
     // What is believed alone starts no region where one must exceed a multiple of the threshold.
-    for (const auto& [name, value] :
-         {std::pair("flow_std", 1.0), std::pair("memory", memory), std::pair("hysteresis_ratio", 1.0)}) {
-      dynamic_reconfigure::DoubleParameter parameter;
-      parameter.name = name;
-      parameter.value = value;
-      call.request.config.doubles.push_back(parameter);
-    }
-    return ros::service::call("segmentation/set_parameters", call);
+    return choose({{"score", look_back || memory > 0.0 ? "uncertainty" : "paper"},
+                   {"look_back", look_back},
+                   {"flow_std", 1.0},
+                   {"memory", memory},
+                   {"hysteresis_ratio", 1.0}});
   };
   // The right half: from there the flow back leads into the patch of the previous image.
   cv::Rect hidden = VisionWorld::patch();
@@ -226,24 +191,24 @@ TEST_F(SegmentationFaults, ThePastTellsWhatTheFlowDoesNot) {
   const auto ious = [&](std::size_t count) {
     std::vector<double> values;
     const std::size_t before = masks_.count() + 3;
-    EXPECT_TRUE(waitUntil([&] { return masks_.count() >= before + count; }, kPatience));
+    EXPECT_TRUE(waitUntil([&] { return masks_.count() >= before + count; }));
     const auto messages = masks_.messages();
     for (std::size_t i = before; i < messages.size(); ++i) values.push_back(maskIou(*messages[i]));
     return values;
   };
   world_.set(hide);
   for (const double iou : ious(3)) EXPECT_LT(iou, 0.6);
-  ASSERT_TRUE(choose(true, 0.0));
+  ASSERT_TRUE(usePast(true, 0.0));
   for (const double iou : ious(3)) EXPECT_GT(iou, 0.85);
 
-  ASSERT_TRUE(choose(false, 0.5));
+  ASSERT_TRUE(usePast(false, 0.5));
   auto every_second = std::make_shared<bool>(false);
   world_.set([hide, every_second](Frame& frame) {
     *every_second = !*every_second;
     if (*every_second) hide(frame);
   });
   for (const double iou : ious(4)) EXPECT_GT(iou, 0.85);
-  ASSERT_TRUE(choose(false, 0.0));
+  ASSERT_TRUE(usePast(false, 0.0));
   double worst = 1.0;
   for (const double iou : ious(4)) worst = std::min(worst, iou);
   EXPECT_LT(worst, 0.6);
@@ -252,21 +217,12 @@ TEST_F(SegmentationFaults, ThePastTellsWhatTheFlowDoesNot) {
 
 // The motion was right before; the image must not spoil it.
 TEST_F(SegmentationFaults, TheRefinedMotionIsPublished) {
-  const auto refine = [](bool on) {
-    dynamic_reconfigure::Reconfigure call;
-    dynamic_reconfigure::BoolParameter parameter;
-    parameter.name = "refine";
-    parameter.value = on;
-    call.request.config.bools.push_back(parameter);
-    return ros::service::call("segmentation/set_parameters", call);
-  };
-  ASSERT_TRUE(refine(true));
+  ASSERT_TRUE(choose({{"refine", true}}));
   const Recorder<geometry_msgs::TwistWithCovarianceStamped> twists(handle_, "ego/twist_refined");
   for (const bool backward : {false, true}) {
     expectExact(backward);
-    const std::size_t before = twists.count();
-    ASSERT_TRUE(waitUntil([&] { return twists.count() >= before + 2; }, kPatience));
-    const geometry_msgs::TwistWithCovarianceStamped& twist = *twists.messages().back();
+    ASSERT_TRUE(twists.grows(2));
+    const geometry_msgs::TwistWithCovarianceStamped& twist = *twists.latest();
     EXPECT_EQ(twist.header.frame_id, "base_link");
     EXPECT_NEAR(twist.twist.twist.linear.x, VisionWorld::kSpeed, 0.2);
     EXPECT_NEAR(twist.twist.twist.linear.y, 0.0, 0.1);
@@ -275,52 +231,34 @@ TEST_F(SegmentationFaults, TheRefinedMotionIsPublished) {
     EXPECT_GT(twist.twist.covariance[0], 0.0);
     EXPECT_LT(twist.twist.covariance[0], 0.02);  // the radar's 0.1 m/s and better
   }
-  ASSERT_TRUE(refine(false));
+  ASSERT_TRUE(choose({{"refine", false}}));
 }
 
 // The score with the uncertainty that comes with the depth.
 class DepthUncertainty : public SegmentationFaults {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(masksComeAgain());
-    ASSERT_TRUE(choose("uncertainty", true));
-    ASSERT_TRUE(masksComeAgain());
-    ASSERT_TRUE(masksComeAgain());
+    SegmentationFaults::SetUp();
+    ASSERT_TRUE(choose({{"score", "uncertainty"}, {"use_depth_uncertainty", true}, {"flow_std", 1.0}}));
+    ASSERT_TRUE(masks_.grows(6));
   }
   void TearDown() override {
     world_.set({});
-    EXPECT_TRUE(choose("paper", false));
-  }
-  static bool choose(const std::string& score, bool use) {
-    dynamic_reconfigure::Reconfigure call;
-    dynamic_reconfigure::StrParameter text;
-    text.name = "score";
-    text.value = score;
-    call.request.config.strs.push_back(text);
-    dynamic_reconfigure::BoolParameter flag;
-    flag.name = "use_depth_uncertainty";
-    flag.value = use;
-    call.request.config.bools.push_back(flag);
-    dynamic_reconfigure::DoubleParameter flow_std;
-    flow_std.name = "flow_std";
-    flow_std.value = 1.0;
-    call.request.config.doubles.push_back(flow_std);
-    return ros::service::call("segmentation/set_parameters", call);
+    EXPECT_TRUE(choose({{"score", "paper"}, {"use_depth_uncertainty", false}}));
   }
   /// A pixel on the patch that moves.
   static float scoreOf(const Image& message) {
     return matOf(message, CV_32FC1).at<float>(VisionWorld::patch().y + 10, VisionWorld::patch().x + 20);
   }
   double latestScore() {
-    const std::size_t before = scores_.count();
-    EXPECT_TRUE(waitUntil([&] { return scores_.count() >= before + 6; }, kPatience));
-    return static_cast<double>(scoreOf(*scores_.messages().back()));
+    EXPECT_TRUE(scores_.grows(6));
+    return static_cast<double>(scoreOf(*scores_.latest()));
   }
   Recorder<Image> scores_{handle_, "dynamic/score"};
 };
 
 TEST_F(DepthUncertainty, LowersTheScoreWhereDepthIsUncertain) {
-  EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
+  EXPECT_GT(maskIou(*masks_.latest()), 0.9);
   const double sure = latestScore();
   world_.set([](Frame& frame) {
     cv::Mat stds = matOf(frame.depth_std, CV_32FC1).clone();
@@ -329,7 +267,7 @@ TEST_F(DepthUncertainty, LowersTheScoreWhereDepthIsUncertain) {
   });
   const double unsure = latestScore();
   EXPECT_LT(unsure, 0.9 * sure);
-  ASSERT_TRUE(choose("uncertainty", false));  // it is not looked at any more
+  ASSERT_TRUE(choose({{"use_depth_uncertainty", false}}));  // it is not looked at any more
   EXPECT_GT(latestScore(), unsure / 0.9);
 }
 
@@ -350,16 +288,14 @@ TEST_F(DepthUncertainty, MasksDoNotWaitForIt) {
   expectReported([](Frame& frame) { frame.depth_std.header.stamp += ros::Duration(0.001); }, kVerdict,
                  "/depth/uncertainty", DiagnosticStatus::WARN);
   world_.set([](Frame& frame) { frame.send_depth_std = false; });
-  ASSERT_TRUE(masksComeAgain());
-  ASSERT_TRUE(masksComeAgain());
-  EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
+  ASSERT_TRUE(masks_.grows(6));
+  EXPECT_GT(maskIou(*masks_.latest()), 0.9);
 }
 
 TEST_F(SegmentationFaults, StampAndSizeAreThoseOfTheFirstImage) {
   Recorder<Flow> flows(handle_, "flow");
-  ASSERT_TRUE(masksComeAgain());
-  ASSERT_TRUE(masksComeAgain());
-  const Image mask = *masks_.messages().back();
+  ASSERT_TRUE(masks_.grows(6));
+  const Image mask = *masks_.latest();
   EXPECT_EQ(mask.encoding, "mono8");
   EXPECT_EQ(mask.header.frame_id, VisionWorld::kCameraFrame);
   bool found = false;
@@ -403,11 +339,8 @@ TEST_F(SegmentationFaults, UnknownDepthGivesAnEmptyMask) {
     };
     world_.set(fault);
     EXPECT_TRUE(waitUntil(
-        [&] {
-          return valids_.count() > 0 && cv::countNonZero(matOf(*valids_.messages().back(), CV_8UC1)) == 0;
-        },
-        kPatience));
-    EXPECT_EQ(cv::countNonZero(matOf(*masks_.messages().back(), CV_8UC1)), 0);
+        [&] { return valids_.count() > 0 && cv::countNonZero(matOf(*valids_.latest(), CV_8UC1)) == 0; }));
+    EXPECT_EQ(cv::countNonZero(matOf(*masks_.latest(), CV_8UC1)), 0);
     expectReported(fault, kVerdict, "no pixel has both depth and flow", DiagnosticStatus::WARN);
   }
 }
@@ -422,15 +355,9 @@ TEST_F(SegmentationFaults, FlowAloneTellsWhereTheSecondDepthIsLost) {
   // Every other depth is lost: pairs that begin with one that came still get a mask.
   auto count = std::make_shared<int>(0);
   world_.set([count](Frame& frame) { frame.send_depth = ++*count % 2 == 0; });
-  EXPECT_TRUE(waitUntil(
-      [&] {
-        return diagnostics_.latest(kVerdict).message.find("without the depth of the second image") !=
-               std::string::npos;
-      },
-      kPatience))
-      << diagnostics_.latest(kVerdict).message;
-  ASSERT_TRUE(masksComeAgain());
-  EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
+  EXPECT_TRUE(diagnostics_.says(kVerdict, DiagnosticStatus::WARN, "without the depth of the second image"));
+  ASSERT_TRUE(masks_.grows());
+  EXPECT_GT(maskIou(*masks_.latest()), 0.9);
   world_.set({});
 }
 
@@ -441,13 +368,12 @@ TEST_F(SegmentationFaults, YawRatesThatAreNotObservedGiveNoMask) {
 
 TEST_F(SegmentationFaults, CameraInfoMayHaveAnyStampAndComeOnce) {
   world_.set([](Frame& frame) { frame.camera.header.stamp = ros::Time(); });
-  EXPECT_TRUE(masksComeAgain());
-  // Diagnostics come once a second.
-  EXPECT_TRUE(waitUntil([&] { return diagnostics_.received("segmentation: input camera_info"); }, kPatience));
+  EXPECT_TRUE(masks_.grows());
+  EXPECT_TRUE(diagnostics_.renews("segmentation: input camera_info"));
   EXPECT_EQ(diagnostics_.latest("segmentation: input camera_info").level, DiagnosticStatus::OK);
   world_.set([](Frame& frame) { frame.send_camera = false; });
-  ros::WallDuration(1.5).sleep();  // longer than silent_after
-  EXPECT_TRUE(masksComeAgain());
+  EXPECT_TRUE(masks_.grows(10));  // longer than silent_after
+  EXPECT_TRUE(diagnostics_.renews("segmentation: input camera_info"));
   EXPECT_EQ(diagnostics_.latest("segmentation: input camera_info").level, DiagnosticStatus::OK);
   world_.set({});
 }
@@ -462,28 +388,17 @@ TEST_F(SegmentationFaults, WrongTwistIsRefused) {
 
 TEST_F(SegmentationFaults, TimeMayGoBack) {
   world_.shiftTime(-100.0);
-  ASSERT_TRUE(masksComeAgain());
-  ASSERT_TRUE(waitUntil(
-      [&] { return ros::Time::now().toSec() - masks_.messages().back()->header.stamp.toSec() > 50.0; },
-      kPatience));
-  EXPECT_GT(maskIou(*masks_.messages().back()), 0.9);
+  ASSERT_TRUE(masks_.grows());
+  ASSERT_TRUE(
+      waitUntil([&] { return ros::Time::now().toSec() - masks_.latest()->header.stamp.toSec() > 50.0; }));
+  EXPECT_GT(maskIou(*masks_.latest()), 0.9);
   world_.shiftTime(0.0);
-  EXPECT_TRUE(masksComeAgain());
+  EXPECT_TRUE(masks_.grows());
 }
 
 // Returns that stand still where the patch moves: a gain for them lowers its score.
 TEST_F(SegmentationFaults, StaticReturnsLowerTheScore) {
-  const auto choose = [](double gain, double radius) {
-    dynamic_reconfigure::Reconfigure call;
-    for (const auto& [name, value] : {std::pair("static_gain", gain), std::pair("radar_radius", radius)}) {
-      dynamic_reconfigure::DoubleParameter parameter;
-      parameter.name = name;
-      parameter.value = value;
-      call.request.config.doubles.push_back(parameter);
-    }
-    return ros::service::call("segmentation/set_parameters", call);
-  };
-  const auto isEmpty = [this] { return cv::countNonZero(matOf(*masks_.messages().back(), CV_8UC1)) == 0; };
+  const auto isEmpty = [this] { return cv::countNonZero(matOf(*masks_.latest(), CV_8UC1)) == 0; };
   ros::Publisher publisher = handle_.advertise<sensor_msgs::PointCloud2>("radar/static", 10);
   const cv::Rect patch = VisionWorld::patch();
   const CameraIntrinsics camera =
@@ -499,59 +414,28 @@ TEST_F(SegmentationFaults, StaticReturnsLowerTheScore) {
   });
   EXPECT_FALSE(isEmpty());
   EXPECT_EQ(publisher.getNumSubscribers(), 0U) << "without a gain they are of no use";
-  ASSERT_TRUE(choose(100.0, 20.0));
-  EXPECT_TRUE(waitUntil(isEmpty, kPatience));
+  ASSERT_TRUE(choose({{"static_gain", 100.0}, {"radar_radius", 20.0}}));
+  EXPECT_TRUE(waitUntil(isEmpty));
   EXPECT_EQ(publisher.getNumSubscribers(), 1U);
-  ASSERT_TRUE(choose(0.0, 1.0));
-  EXPECT_TRUE(waitUntil([&] { return !isEmpty(); }, kPatience));
+  ASSERT_TRUE(choose({{"static_gain", 0.0}, {"radar_radius", 1.0}}));
+  EXPECT_TRUE(waitUntil([&] { return !isEmpty(); }));
   EXPECT_EQ(publisher.getNumSubscribers(), 0U);
   world_.set({});
 }
 
 TEST_F(SegmentationFaults, WithoutItsRotationTheTwistHasToDo) {
-  ASSERT_TRUE(waitUntil([&] { return unaided_.count() >= 3; }, kPatience));
-  EXPECT_GT(maskIou(*unaided_.messages().back()), 0.9);
-  EXPECT_TRUE(waitUntil(
-      [&] {
-        const Diagnostics::Status status = diagnostics_.latest("unaided: segmentation");
-        return status.level >= DiagnosticStatus::WARN && status.message.find("rotation") != std::string::npos;
-      },
-      kPatience))
-      << diagnostics_.latest("unaided: segmentation").message;
+  ASSERT_TRUE(unaided_.grows());
+  EXPECT_GT(maskIou(*unaided_.latest()), 0.9);
+  EXPECT_TRUE(diagnostics_.says("unaided: segmentation", DiagnosticStatus::ERROR, "rotation"));
 }
 
 TEST_F(SegmentationFaults, BadParametersAreReplacedAndReconfigured) {
   // k was not a number at start: the default is in use, and the diagnostic says so.
-  EXPECT_TRUE(waitUntil(
-      [&] {
-        const Diagnostics::Status status = diagnostics_.latest("unaided: segmentation");
-        return status.level == DiagnosticStatus::ERROR &&
-               status.message.find("k is nan, must be between") != std::string::npos;
-      },
-      kPatience))
-      << diagnostics_.latest("unaided: segmentation").message;
-  dynamic_reconfigure::Reconfigure call;
-  dynamic_reconfigure::DoubleParameter k;
-  k.name = "k";
-  k.value = 6.0;
-  call.request.config.doubles.push_back(k);
-  ASSERT_TRUE(ros::service::call("segmentation/set_parameters", call));
-  for (const auto& value : call.response.config.doubles) {
-    if (value.name == "k") {
-      EXPECT_EQ(value.value, 6.0);
-    }
-  }
-  EXPECT_TRUE(masksComeAgain());
+  EXPECT_TRUE(
+      diagnostics_.says("unaided: segmentation", DiagnosticStatus::ERROR, "k is nan, must be between"));
+  EXPECT_EQ(reconfigure("segmentation", {{"k", 6.0}}).at("k"), "6");
+  EXPECT_TRUE(masks_.grows());
 }
 
 }  // namespace
 }  // namespace radar_dot::test
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "segmentation_faults_test");
-  const ros::NodeHandle keeper;
-  ros::AsyncSpinner spinner(2);
-  spinner.start();
-  return RUN_ALL_TESTS();
-}

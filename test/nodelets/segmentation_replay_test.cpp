@@ -107,7 +107,7 @@ TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
   const Recorder<nav_msgs::Odometry> odometry(handle, "odom");
   const Arrivals arrivals(handle);
   Diagnostics diagnostics(handle);
-  ASSERT_TRUE(waitUntil([&] { return masks.connected() && odometry.connected(); }, 20.0));
+  ASSERT_TRUE(waitUntil([&] { return masks.connected() && odometry.connected(); }));
 
   BagPlayer player({"--clock", "--delay=2", bag.string()});
   ASSERT_EQ(player.wait(120.0), 0);
@@ -146,7 +146,7 @@ TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
   std::cout << "IoU over " << compared << " annotated images: " << iou << '\n';
   RecordProperty("iou_percent", static_cast<int>(100.0 * iou));
   EXPECT_GE(compared, truths.count() / 2);
-  EXPECT_GT(iou, 0.25);
+  EXPECT_GT(iou, 0.38);  // 0.46, where no pair is dropped
   EXPECT_GT(odometry.count(), 30U);
   // Before the drive begins they rightly miss their input.
   EXPECT_FALSE(diagnostics.seen("decode_image: decoder", diagnostic_msgs::DiagnosticStatus::ERROR));
@@ -154,12 +154,3 @@ TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
 
 }  // namespace
 }  // namespace radar_dot::test
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "segmentation_replay_test");
-  const ros::NodeHandle keeper;
-  ros::AsyncSpinner spinner(3);
-  spinner.start();
-  return RUN_ALL_TESTS();
-}

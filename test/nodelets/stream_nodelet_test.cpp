@@ -165,12 +165,3 @@ TEST(Extrinsics, NodeletsOfAProcessShareOneBuffer) {
 
 }  // namespace
 }  // namespace radar_dot::test
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "stream_nodelet_test");
-  ros::AsyncSpinner spinner(1);
-  ros::NodeHandle keep_alive;
-  spinner.start();
-  return RUN_ALL_TESTS();
-}

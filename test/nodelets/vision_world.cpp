@@ -6,6 +6,8 @@
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 
+#include "fixtures/camera_mount.h"
+#include "nodelets/float_cloud.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "radar_dot/vision/rigid_motion.h"
 
@@ -13,12 +15,7 @@ namespace radar_dot::test {
 
 CameraIntrinsics VisionWorld::camera() { return {200.0, 200.0, 159.5, 89.5, kWidth, kHeight}; }
 
-Eigen::Isometry3d VisionWorld::T_base_from_camera() {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;  // x right, y down, z ahead
-  T.translation() << 1.7, 0.1, 1.5;
-  return T;
-}
+Eigen::Isometry3d VisionWorld::T_base_from_camera() { return lookingAhead({1.7, 0.1, 1.5}); }
 
 geometry_msgs::TransformStamped VisionWorld::mount() {
   const Eigen::Isometry3d T = T_base_from_camera();
@@ -119,23 +116,11 @@ cv::Mat matOf(const sensor_msgs::Image& message, int type) {
 
 sensor_msgs::PointCloud2 cloudOf(const ros::Time& stamp, const std::string& frame,
                                  const std::vector<Eigen::Vector3f>& points) {
-  sensor_msgs::PointCloud2 cloud;
+  std::vector<float> values;
+  for (const Eigen::Vector3f& point : points) values.insert(values.end(), point.data(), point.data() + 3);
+  sensor_msgs::PointCloud2 cloud = floatCloud({"x", "y", "z"}, values);
   cloud.header.stamp = stamp;
   cloud.header.frame_id = frame;
-  for (const char* name : {"x", "y", "z"}) {
-    sensor_msgs::PointField field;
-    field.name = name;
-    field.offset = static_cast<std::uint32_t>(4 * cloud.fields.size());
-    field.datatype = sensor_msgs::PointField::FLOAT32;
-    field.count = 1;
-    cloud.fields.push_back(field);
-  }
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(points.size());
-  cloud.point_step = 12;
-  cloud.row_step = cloud.point_step * cloud.width;
-  cloud.data.resize(cloud.row_step);
-  if (!points.empty()) std::memcpy(cloud.data.data(), points.front().data(), cloud.data.size());
   return cloud;
 }
 

@@ -9,18 +9,12 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "fixtures/camera_mount.h"
+
 namespace radar_dot {
 namespace {
 
 const CameraIntrinsics kCamera{400.0, 400.0, 199.5, 99.5, 400, 200};
-
-/// A camera that looks ahead: z ahead, x to the right.
-Eigen::Isometry3d lookingAhead() {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  T.translation() = Eigen::Vector3d(1.5, 0.0, 1.5);
-  return T;
-}
 
 struct Images {
   cv::Mat mask = cv::Mat::zeros(200, 400, CV_8UC1);
@@ -36,7 +30,7 @@ struct Images {
     residual(box) = cv::Scalar(shift.x(), shift.y());
   }
   std::vector<MaskRegion> regions(double interval) const {
-    return regionsOfMask(mask, depth, residual, interval, kCamera, lookingAhead());
+    return regionsOfMask(mask, depth, residual, interval, kCamera, test::lookingAhead({1.5, 0.0, 1.5}));
   }
 };
 

@@ -250,6 +250,7 @@ TEST(DriveVariants, SlowestSensorsAreCoveredByTheCanBus) {
   simulate(folder.path() / "drive", options, {"standing"});
   const Tables tables = loadSimulated(folder.path() / "drive");
   const dataset::CanBus can_bus = dataset::readCanBus(folder.path() / "drive", tables.scenes[0].name);
+  ASSERT_FALSE(tables.sample_data.empty());
   for (const auto& reading : tables.sample_data) {
     EXPECT_GE(reading.timestamp_us, can_bus.poses.front().timestamp_us);
     EXPECT_LE(reading.timestamp_us, can_bus.poses.back().timestamp_us);

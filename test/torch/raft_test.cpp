@@ -117,7 +117,7 @@ TEST_F(Raft, KittiPairInFullResolution) {
 // Images that the network was not trained with, half a second apart, where most of what is near has moved by
 // tens of pixels: better than the classical backend, whatever that is there.
 TEST_F(Raft, SimulatedPairs) {
-  const test::SimulatedDataroot simulated(SIMULATOR);
+  const test::SimulatedDataroot simulated;
   evaluation::FlowEvaluationOptions options;
   options.pairs.max_pairs = 3;
   const auto errorOf = [&](const std::string& flow) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "fixtures/camera_mount.h"
 #include "fixtures/files.h"
 #include "fixtures/refusal.h"
 #include "radar_dot/vision/depth_estimator.h"
@@ -21,8 +22,7 @@ class TorchDepth : public testing::Test {
   TorchDepth() {
     input_.image = cv::Mat(450, 800, CV_8UC3, cv::Scalar(10, 20, 30));
     input_.camera = {500.0, 500.0, 399.5, 224.5, 800, 450};
-    // The camera looks along x of the base.
-    input_.T_base_from_camera.linear() << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+    input_.T_base_from_camera = test::lookingAhead();
   }
   DepthParams paramsOf(const std::string& forward) const {
     const std::filesystem::path file = folder_.path() / "network.pt";

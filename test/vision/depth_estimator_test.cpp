@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "fixtures/camera_mount.h"
 #include "fixtures/refusal.h"
 
 namespace radar_dot {
@@ -18,13 +19,8 @@ namespace {
 
 const CameraIntrinsics kCamera{400.0, 400.0, 200.0, 100.0, 401, 301};
 
-/// 1.5 m above the base frame's origin, 1 m ahead of it, looking ahead.
-Eigen::Isometry3d mount() {
-  Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();
-  T_base_from_camera.linear() << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
-  T_base_from_camera.translation() = Eigen::Vector3d(1.0, 0.0, 1.5);
-  return T_base_from_camera;
-}
+/// 1.5 m above the base frame's origin, 1 m ahead of it.
+Eigen::Isometry3d mount() { return test::lookingAhead({1.0, 0.0, 1.5}); }
 
 DepthInput input() {
   DepthInput in;

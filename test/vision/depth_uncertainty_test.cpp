@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
+#include "fixtures/camera_mount.h"
 #include "fixtures/refusal.h"
 #include "radar_dot/vision/depth_estimator.h"
 #include "radar_dot/vision/motion_refinement.h"
@@ -21,13 +22,8 @@ namespace {
 const CameraIntrinsics kCamera{400.0, 400.0, 200.0, 100.0, 401, 301};
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// 1.5 m above the base frame's origin, 1 m ahead of it, looking ahead.
-Eigen::Isometry3d mount() {
-  Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();
-  T_base_from_camera.linear() << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
-  T_base_from_camera.translation() = Eigen::Vector3d(1.0, 0.0, 1.5);
-  return T_base_from_camera;
-}
+/// 1.5 m above the base frame's origin, 1 m ahead of it.
+Eigen::Isometry3d mount() { return test::lookingAhead({1.0, 0.0, 1.5}); }
 
 /// The same, rolled, nose down, and turned to the side.
 Eigen::Isometry3d tilted() {

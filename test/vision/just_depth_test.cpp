@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fixtures/camera_mount.h"
 #include "fixtures/refusal.h"
 
 namespace radar_dot {
@@ -51,13 +52,8 @@ TEST(JustDepthImage, MayBeGreyOrOfAnotherSize) {
       [&] { just_depth::imagePlanes(cv::Mat(900, 1600, CV_16UC1), planes); }, {"CV_8UC3"});
 }
 
-// A camera 1.5 m ahead of and above the base, looking ahead: x right = -y of the base, y down = -z.
 class JustDepthRadar : public testing::Test {
  protected:
-  JustDepthRadar() {
-    T_base_from_camera_.linear() << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
-    T_base_from_camera_.translation() << 1.5, 0.0, 1.5;
-  }
   std::vector<float> columnsOf(const std::vector<Eigen::Vector3f>& points) const {
     return just_depth::radarColumns(points, camera_, T_base_from_camera_);
   }
@@ -66,7 +62,7 @@ class JustDepthRadar : public testing::Test {
   }
 
   CameraIntrinsics camera_{1000.0, 1000.0, 800.0, 450.0, kWidth, kHeight};
-  Eigen::Isometry3d T_base_from_camera_ = Eigen::Isometry3d::Identity();
+  const Eigen::Isometry3d T_base_from_camera_ = test::lookingAhead({1.5, 0.0, 1.5});
 };
 
 TEST_F(JustDepthRadar, NearestReturnOfAColumnCounts) {

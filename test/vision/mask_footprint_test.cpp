@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "fixtures/camera_mount.h"
 #include "fixtures/refusal.h"
 
 namespace radar_dot {
@@ -19,12 +20,8 @@ constexpr int kColumns = 101, kRows = 81;
 
 CameraIntrinsics camera() { return {64.0, 64.0, 50.0, 40.0, kColumns, kRows}; }
 
-/// At the origin of the base frame, looking along its x axis.
-Eigen::Isometry3d mount() {
-  Eigen::Isometry3d T_camera_from_base = Eigen::Isometry3d::Identity();
-  T_camera_from_base.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  return T_camera_from_base;
-}
+/// T_camera_from_base, at the origin of the base frame.
+Eigen::Isometry3d mount() { return test::lookingAhead().inverse(); }
 
 /// At 8 m there are 8 px to the metre: rows 29 (top) to 38 (bottom), ten of them.
 MaskFootprint tenPixels() {

@@ -10,6 +10,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "fixtures/camera_mount.h"
 #include "fixtures/refusal.h"
 #include "radar_dot/vision/depth_estimator.h"
 #include "radar_dot/vision/rigid_motion.h"
@@ -22,13 +23,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 const CameraIntrinsics kCamera{400.0, 400.0, 199.5, 111.5, 400, 224};
 
-/// 1.5 m above the ground, looking ahead.
-Eigen::Isometry3d mount() {
-  Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();
-  T_base_from_camera.linear() << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
-  T_base_from_camera.translation() << 1.7, 0.0, 1.5;
-  return T_base_from_camera;
-}
+/// 1.5 m above the ground.
+Eigen::Isometry3d mount() { return test::lookingAhead({1.7, 0.0, 1.5}); }
 
 Eigen::Isometry3d moved(const Vector6& change, const Eigen::Isometry3d& motion) {
   Eigen::Isometry3d small = Eigen::Isometry3d::Identity();
@@ -44,7 +40,8 @@ MotionInput street(const Eigen::Isometry3d& true_motion, const GroundPlane& grou
   MotionInput input;
   input.camera = kCamera;
   input.pixel_scale = 2.0;
-  input.depth = groundDepth(kCamera, ground.T_base_from_camera, ground.params.height, ground.params.pitch, 30.0);
+  input.depth =
+      groundDepth(kCamera, ground.T_base_from_camera, ground.params.height, ground.params.pitch, 30.0);
   cv::patchNaNs(input.depth, 30.0);
   input.flow = expectedFlow(kCamera, true_motion, input.depth);
   return input;
@@ -242,7 +239,8 @@ TEST(RefineMotion, TooLittleChangesNothing) {
   EXPECT_TRUE(refined.T_current_from_previous.isApprox(drive()));
   RefinementParams params;
   params.stride = 0;
-  test::expectRefusal<std::invalid_argument>([&] { refineMotion(input, std::nullopt, {}, params); }, {"stride"});
+  test::expectRefusal<std::invalid_argument>([&] { refineMotion(input, std::nullopt, {}, params); },
+                                             {"stride"});
 }
 
 // A turn of the vehicle about its base moves the camera, which sits ahead of it, sideways.

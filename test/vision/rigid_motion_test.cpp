@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fixtures/camera_mount.h"
 #include "radar_dot/vision/camera_intrinsics.h"
 
 namespace radar_dot {
@@ -37,12 +38,7 @@ TEST(BaseMotion, TinyTurnsAreContinuous) {
 }
 
 /// A camera 1.7 m ahead of the base and 1.5 m up, looking ahead: x right = -y, y down = -z, z ahead = x.
-Eigen::Isometry3d frontCamera() {
-  Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();
-  T_base_from_camera.linear() << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
-  T_base_from_camera.translation() = Eigen::Vector3d(1.7, 0.0, 1.5);
-  return T_base_from_camera;
-}
+Eigen::Isometry3d frontCamera() { return test::lookingAhead({1.7, 0.0, 1.5}); }
 
 TEST(BaseVelocity, IsTheInverseOfTheMotion) {
   for (const double dt : {0.5, -0.08}) {

@@ -31,8 +31,9 @@ void StreamNodelet::start() {
   complete_ = attempt([this] { setUpAll(); });
   if (!diagnostics_) return;
   // Wall time: the updater's own timing stops when a bag starts again.
-  diagnostics_timer_ = getNodeHandle().createWallTimer(
-      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+  diagnostics_timer_ =
+      getNodeHandle().createWallTimer(ros::WallDuration(diagnostics_->getPeriod()),
+                                      [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
   look();
 }
 
