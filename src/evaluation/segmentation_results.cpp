@@ -55,28 +55,30 @@ std::vector<VariantResult> ablationSteps(const SegmentationEvaluationOptions& op
   SegmentationEvaluationOptions step = options;
   DynamicSegmentationConfig& segmentation = step.segmentation;
   std::vector<VariantResult> steps;
-  const auto add = [&](const char* name) { steps.push_back({name, step, {}, {}}); };
-  step.mask_directory.clear();
+  const auto add = [&](const std::string& name, const std::string& folder) {
+    if (!options.mask_directory.empty()) step.mask_directory = options.mask_directory + "/" + folder;
+    steps.push_back({name, step, {}, {}});
+  };
   segmentation.motion.score = MotionScore::kPaper;
   segmentation.motion.radar_gain = segmentation.motion.static_gain = 0.0;
   segmentation.refine = segmentation.look_back = false;
   segmentation.memory = 0.0;
-  add("paper");
+  add("paper", "paper");
   segmentation.motion.score = MotionScore::kUncertainty;
   step.optical_flow.flow.forward_backward = true;
-  add("+ uncertainty");
+  add("+ uncertainty", "uncertainty");
   segmentation.refine = segmentation.refine_ground = true;
-  add("+ refinement");
+  add("+ refinement", "refinement");
   segmentation.motion.radar_gain =
       given.motion.radar_gain > 0.0 ? given.motion.radar_gain : MotionParams{}.radar_gain;
   segmentation.motion.static_gain = given.motion.static_gain;
-  add("+ radar evidence");
+  add("+ radar evidence", "radar_evidence");
   if (fileSourceOf(options.optical_flow.flow.backend))
     return steps;  // the truth and files have no backward flow
   segmentation.look_back = true;
-  add("+ look back");
+  add("+ look back", "look_back");
   segmentation.memory = given.memory > 0.0 ? given.memory : kMemory;
-  add("+ memory");
+  add("+ memory", "memory");
   return steps;
 }
 

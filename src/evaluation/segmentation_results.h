@@ -14,15 +14,19 @@
 namespace radar_dot::evaluation {
 
 /// Variants of the options that are compared.
-/// kLoop: the directions of the loop between mask and radar, "neither", "mask_to_velocity", "radar_to_mask"
-/// and "both", in this order. The gain is that of the options, or its default where that is 0. Masks are
-/// saved only by the one that the options are themselves. kAblation: "paper", "+ uncertainty", "+
-/// refinement", "+ radar evidence", "+ look back", "+ memory", in this order: the paper's score without radar
-/// in the mask; the score by uncertainty, with forward and backward flow as its noise; the motion refined by
-/// the image; radar returns that move the threshold, with the gains of the options, or their defaults where
-/// those are 0; the previous pair; and what the mask before said. The last two are left out for flow that is
-/// no backend's. Everything else is as in the options. Masks are saved by none.
-enum class Variants { kLoop, kAblation };
+enum class Variants {
+  /// The directions of the loop between mask and radar: "neither", "mask_to_velocity", "radar_to_mask" and
+  /// "both", in this order. The gain is that of the options, or its default where that is 0. Masks are saved
+  /// only by the one that the options are themselves.
+  kLoop,
+  /// "paper", "+ uncertainty", "+ refinement", "+ radar evidence", "+ look back", "+ memory", in this order:
+  /// the paper's score without radar in the mask; the score by uncertainty, with forward and backward flow as
+  /// its noise; the motion refined by the image; radar returns that move the threshold, with the gains of the
+  /// options, or their defaults where those are 0; the previous pair; and what the mask before said. The last
+  /// two are left out for flow that is no backend's. Everything else is as in the options. Masks are saved
+  /// in folders "paper", "uncertainty", "refinement", "radar_evidence", "look_back" and "memory".
+  kAblation
+};
 
 /// One run, and what it reached.
 struct VariantResult {

@@ -121,7 +121,8 @@ Results evaluateAll(const Evaluator& evaluator) {
   for (const evaluation::SegmentationEvaluationOptions& variant : variants) validate(variant);
   evaluation::checkBackend(options.depth.depth);
   evaluation::checkBackend(options.optical_flow.flow);
-  if (!options.mask_directory.empty()) std::filesystem::create_directories(options.mask_directory);
+  for (const evaluation::SegmentationEvaluationOptions& variant : variants)
+    if (!variant.mask_directory.empty()) std::filesystem::create_directories(variant.mask_directory);
   const std::vector<tools::SceneReports<SegmentationReport>> reports = evaluateVariants(evaluator, variants);
   results.scenes = reports[own].scenes;
   results.overall = reports[own].overall;

@@ -11,14 +11,12 @@
 #include <functional>
 #include <initializer_list>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "fixtures/files.h"
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/refusal.h"
-#include "radar_dot/evaluation/report.h"
 #include "tools/config_file.h"
 
 namespace radar_dot::evaluation {
@@ -250,19 +248,6 @@ TEST_F(Evaluation, JsonHasTheDocumentedKeys) {
   }
   EXPECT_EQ(json["overall"]["frames"].GetUint64(), 22U);
   EXPECT_EQ(json["overall"]["refused"].GetUint64(), 0U);
-}
-
-TEST_F(Evaluation, CsvHasOneRowPerSceneAndOneOverall) {
-  const VelocityReport report = evaluate(NuscenesFixture::kStraightScene);
-  std::istringstream text(formatCsv({report}, report));
-  std::string line;
-  std::vector<std::size_t> columns;
-  while (std::getline(text, line)) {
-    columns.push_back(static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')));
-  }
-  ASSERT_EQ(columns.size(), 3U);
-  EXPECT_EQ(columns[0], columns[1]);
-  EXPECT_EQ(columns[0], columns[2]);
 }
 
 class RealData : public ::testing::Test {

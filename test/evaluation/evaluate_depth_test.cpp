@@ -23,7 +23,7 @@ TEST(EvaluateDepth, BadInputGetsOneLineAndANonZeroExit) {
   expectRefusal(dataroot + " --scenes scene-9999", "scene-9999");
   expectRefusal(dataroot + " --max-images -1", "--max-images");
   expectRefusal(dataroot + " --truth radar", "--truth is 'radar'");
-  expectRefusal(dataroot + " --depth-backend stereo", "stereo");
+  expectRefusal("--dataroot /nowhere --depth-backend stereo", "stereo");  // before anything is read
   expectRefusal(dataroot + " --json same --csv same", "differ");
   const test::Outcome outcome = test::runCommand(std::string(TOOL) + " " + dataroot);
   EXPECT_EQ(outcome.exit_code, 1);  // the reader of images may say something of its own before

@@ -1,12 +1,16 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <rapidjson/document.h>
 #include <sys/stat.h>
 
 #include <filesystem>
 #include <memory>
+#include <sstream>
 #include <string>
 
+#include "fixtures/files.h"
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/tool_run.h"
 
@@ -35,9 +39,27 @@ TEST_F(EvaluateEgoVelocity, WritesTableJsonAndCsv) {
                                   " --csv " + csv.string());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("overall"), std::string::npos);
-  EXPECT_GT(std::filesystem::file_size(json), 1000U);
-  EXPECT_GT(std::filesystem::file_size(csv), 300U);
-  EXPECT_FALSE(std::filesystem::exists(json.string() + ".partial"));
+  rapidjson::Document report;
+  report.Parse(test::readFile(json).c_str());
+  ASSERT_FALSE(report.HasParseError());
+  EXPECT_STREQ(report["parameters"]["tool"].GetString(), "evaluate_ego_velocity");
+  EXPECT_STREQ(report["scenes"][1]["scene"].GetString(), "scene-0002");
+  const rapidjson::Value& overall = report["overall"];
+  const unsigned pairs = test::FixtureOptions().samples_per_scene - 1;
+  EXPECT_EQ(overall["frames"].GetUint(), 2 * pairs);
+  EXPECT_EQ(overall["refused"].GetUint(), 0U);
+  EXPECT_LT(overall["models"]["planar_yaw"]["vx_mae"].GetDouble(), 1e-3) << "the fixture's radar is exact";
+  std::istringstream lines(test::readFile(csv));
+  std::string line;
+  for (const std::string& begin :
+       {std::string("scene,frames,refused,B1,"), fmt::format("scene-0001,{},0,", pairs),
+        fmt::format("scene-0002,{},0,", pairs), fmt::format("overall,{},0,", 2 * pairs)}) {
+    ASSERT_TRUE(std::getline(lines, line));
+    EXPECT_EQ(line.substr(0, begin.size()), begin);
+  }
+  EXPECT_FALSE(std::getline(lines, line));
+  for (const auto& entry : std::filesystem::directory_iterator(json.parent_path()))
+    EXPECT_EQ(entry.path().filename().string().find("out.json."), std::string::npos) << "a temporary file";
 }
 
 TEST_F(EvaluateEgoVelocity, TheFilterHasATableOfItsOwn) {

@@ -24,6 +24,7 @@ TEST(EvaluateFlow, BadInputGetsOneLineAndANonZeroExit) {
   expectRefusal("--dataroot /nowhere", "/nowhere");
   expectRefusal(dataroot, "ground_truth/keyframe_flow: is not there");
   expectRefusal(dataroot + " --scenes scene-9999", "scene-9999");
+  expectRefusal("--dataroot /nowhere --flow-backend telepathy", "telepathy");  // before anything is read
   expectRefusal(dataroot + " --pairs triplets", "--pairs is 'triplets'");
   expectRefusal(dataroot + " --json same --csv same", "differ");
   expectRefusal(dataroot + " --first a.png --second b.png --flow-truth c.png", "--dataroot");

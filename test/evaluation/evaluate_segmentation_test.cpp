@@ -23,6 +23,8 @@ TEST(EvaluateSegmentation, BadInputGetsOneLineAndANonZeroExit) {
   expectRefusal("", "--dataroot");
   expectRefusal("--dataroot /nowhere", "/nowhere");
   expectRefusal(dataroot + " --scenes scene-9999", "scene-9999");
+  expectRefusal("--dataroot /nowhere --flow-backend telepathy", "telepathy");  // before anything is read
+  expectRefusal("--dataroot /nowhere --look-back --score paper", "look_back");
   expectRefusal(dataroot + " --jobs 0", "--jobs");
   expectRefusal("--merge /nowhere.json", "/nowhere.json");
   expectRefusal(dataroot + " --json same --csv same", "differ");
