@@ -48,7 +48,7 @@ double FlowErrors::Group::median() const {
   std::uint64_t seen = bins_[0];
   if (seen > before) return 0.0;
   std::size_t bin = 0;
-  while (seen <= before) seen += bins_[++bin];
+  while (seen <= before && bin + 1 < bins_.size()) seen += bins_[++bin];
   // The middle of the bin.
   return std::exp2((static_cast<double>(bin) - 0.5) / kBinsPerOctave + kFirstOctave);
 }
