@@ -32,16 +32,20 @@ std::string withUnit(const std::string& text, const Field& field) {
   throw InvalidParameter({field.name}, fmt::format("{} is {}, must be {}", field.name, value, valid));
 }
 
+/// A real number that is whole, and that every way of setting a parameter can carry.
+std::optional<std::int64_t> wholeNumber(double number) {
+  if (std::trunc(number) != number || std::abs(number) > kMost) return std::nullopt;
+  return static_cast<std::int64_t>(number);
+}
+
 /// A value of another type that can stand for one of the field's type.
 FieldValue converted(const Field& field, const FieldValue& value) {
+  if (const auto* real = std::get_if<double>(&value); real != nullptr && field.type != FieldType::kDouble)
+    if (const auto number = wholeNumber(*real)) return converted(field, *number);
   const auto* whole = std::get_if<std::int64_t>(&value);
   if (whole != nullptr && field.type == FieldType::kDouble) return static_cast<double>(*whole);
   if (whole != nullptr && field.type == FieldType::kIntList)
     return std::vector<int>{static_cast<int>(*whole)};
-  const auto* real = std::get_if<double>(&value);
-  if (real != nullptr && field.type == FieldType::kInt && std::trunc(*real) == *real &&
-      std::abs(*real) <= kMost)
-    return static_cast<std::int64_t>(*real);
   const auto* text = std::get_if<std::string>(&value);
   if (text != nullptr && field.type == FieldType::kTextList) return std::vector<std::string>{*text};
   return value;
@@ -73,14 +77,6 @@ std::vector<std::string> listItems(std::string text) {
   return items;
 }
 
-std::optional<std::int64_t> wholeNumber(const std::string& text) {
-  char* end = nullptr;
-  errno = 0;
-  const long long number = std::strtoll(text.c_str(), &end, 10);
-  if (text.empty() || *end != '\0' || errno != 0) return std::nullopt;
-  return number;
-}
-
 std::optional<double> realNumber(const std::string& text) {
   // YAML writes infinity with a dot.
   if (text == ".inf" || text == "+.inf") return std::numeric_limits<double>::infinity();
@@ -89,6 +85,16 @@ std::optional<double> realNumber(const std::string& text) {
   const double number = std::strtod(text.c_str(), &end);
   if (text.empty() || *end != '\0') return std::nullopt;
   return number;
+}
+
+/// Also 100.0 and 1e3.
+std::optional<std::int64_t> wholeNumber(const std::string& text) {
+  char* end = nullptr;
+  errno = 0;
+  const long long number = std::strtoll(text.c_str(), &end, 10);
+  if (!text.empty() && *end == '\0') return errno == 0 ? std::optional<std::int64_t>(number) : std::nullopt;
+  const std::optional<double> real = realNumber(text);
+  return real ? wholeNumber(*real) : std::nullopt;
 }
 
 std::optional<bool> truth(const std::string& text) {
@@ -114,26 +120,23 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+struct ValueText {
+  std::string operator()(std::monostate) const { return ""; }
+  std::string operator()(bool is) const { return is ? "true" : "false"; }
+  std::string operator()(std::int64_t number) const { return std::to_string(number); }
+  std::string operator()(double number) const { return numberText(number); }
+  std::string operator()(const std::string& text) const { return text; }
+  template <typename Item>
+  std::string operator()(const std::vector<Item>& list) const {
+    return fmt::format("{}", fmt::join(list, ", "));
+  }
+};
+
 std::string valueText(const Field& field) { return withUnit(toText(field.get()), field); }
 
 }  // namespace
 
-std::string toText(const FieldValue& value) {
-  struct Text {
-    std::string operator()(std::monostate) const { return ""; }
-    std::string operator()(bool is) const { return is ? "true" : "false"; }
-    std::string operator()(std::int64_t number) const { return std::to_string(number); }
-    std::string operator()(double number) const { return numberText(number); }
-    std::string operator()(const std::string& text) const { return text; }
-    std::string operator()(const std::vector<int>& list) const {
-      return fmt::format("{}", fmt::join(list, ", "));
-    }
-    std::string operator()(const std::vector<std::string>& list) const {
-      return fmt::format("{}", fmt::join(list, ", "));
-    }
-  };
-  return std::visit(Text(), value);
-}
+std::string toText(const FieldValue& value) { return std::visit(ValueText(), value); }
 
 const char* Field::typeText() const {
   constexpr const char* kTexts[] = {"true or false", "a whole number",          "a number",       "a text",
@@ -211,6 +214,12 @@ void Field::setFromText(const std::string& given) const {
     }
   }
   refuse(*this, "'" + given + "'", typeText());
+}
+
+void Field::setFromItems(const std::vector<std::string>& items) const {
+  // Texts may hold commas, so they are not joined.
+  if (type == FieldType::kIntList) return setFromText(fmt::format("[{}]", fmt::join(items, ", ")));
+  set(items);
 }
 
 void FieldList::append(const FieldList& other, const std::function<bool(const Field&)>& filter) {

@@ -135,6 +135,17 @@ void unite(cv::Mat& canvas, const cv::Mat& part) {
 
 }  // namespace
 
+std::vector<std::vector<const InstanceMask*>> byScene(const Tables& tables,
+                                                      const std::vector<InstanceMask>& masks) {
+  std::vector<std::vector<const InstanceMask*>> scenes(tables.scenes.size());
+  for (const InstanceMask& mask : masks) {
+    const Index reading = tables.findReading(mask.sample_data_token);
+    const Index sample = tables.sample_data[static_cast<std::size_t>(reading)].sample;
+    scenes[static_cast<std::size_t>(tables.samples[static_cast<std::size_t>(sample)].scene)].push_back(&mask);
+  }
+  return scenes;
+}
+
 bool hasInstanceMasks(const Tables& tables) { return std::filesystem::exists(maskFile(tables)); }
 
 std::vector<InstanceMask> readInstanceMasks(Tables& tables, const std::filesystem::path& file) {

@@ -15,11 +15,6 @@ using dataset::kNone;
 using dataset::SampleAnnotation;
 using dataset::Tables;
 
-double ratio(std::size_t part, std::size_t whole) {
-  return whole == 0 ? std::numeric_limits<double>::quiet_NaN()
-                    : static_cast<double>(part) / static_cast<double>(whole);
-}
-
 double timeOf(const Tables& tables, const SampleAnnotation& annotation) {
   return secondsOf(tables.samples[static_cast<std::size_t>(annotation.sample)].timestamp_us);
 }
@@ -77,12 +72,14 @@ double Confusion::f1() const {
   return ratio(2 * true_positives, 2 * true_positives + false_positives + false_negatives);
 }
 
-Confusion& Confusion::operator+=(const Confusion& other) {
-  true_positives += other.true_positives;
-  false_positives += other.false_positives;
-  false_negatives += other.false_negatives;
-  true_negatives += other.true_negatives;
-  return *this;
+void Confusion::describe(Figures& figures) {
+  figures.figure("precision", precision());
+  figures.figure("recall", recall());
+  figures.figure("f1", f1());
+  figures.sum("true_positives", true_positives);
+  figures.sum("false_positives", false_positives);
+  figures.sum("false_negatives", false_negatives);
+  figures.sum("true_negatives", true_negatives);
 }
 
 }  // namespace radar_dot::evaluation

@@ -17,7 +17,11 @@ namespace {
 using dataset::Index;
 using dataset::Tables;
 
-constexpr double kWithinSigma = 0.6827;  // share of normal errors within 1 sigma
+bool isByLidar(const DepthEvaluationOptions& options) { return options.truth == DepthTruth::kLidar; }
+
+DepthSource sourceOf(const DepthEvaluationOptions& options) {
+  return {options.depth.depth, options.depth.working_width, options.depth_input, isByLidar(options)};
+}
 
 std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
   const std::vector<Index> readings = tables.readingsOf(scene, options.camera);
@@ -36,30 +40,6 @@ std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvalua
   return images;
 }
 
-Figures figuresOf(const DepthReport& report) {
-  Figures figures;
-  for (std::size_t i = 0; i < report.errors.within.size(); ++i) {
-    const DepthErrors::Sums& sums = report.errors.within[i];
-    const double limit = DepthErrors::kLimits[i];
-    figures.emplace_back(fmt::format("mae_{:.0f}", limit), sums.meanAbsoluteError());
-    figures.emplace_back(fmt::format("rmse_{:.0f}", limit), sums.rootMeanSquaredError());
-    figures.emplace_back(fmt::format("coverage_{:.0f}", limit), sums.coverage());
-  }
-  figures.emplace_back("sigma_median", report.errors.normalised.quantile(0.5));
-  figures.emplace_back("sigma_68", report.errors.normalised.quantile(kWithinSigma));
-  return figures;
-}
-
-Counts countsOf(const DepthReport& report) {
-  Counts counts = {{"images", report.images}, {"without_truth", report.without_truth}};
-  for (std::size_t i = 0; i < report.errors.within.size(); ++i) {
-    const double limit = DepthErrors::kLimits[i];
-    counts.emplace_back(fmt::format("true_pixels_{:.0f}", limit), report.errors.within[i].true_pixels);
-    counts.emplace_back(fmt::format("compared_{:.0f}", limit), report.errors.within[i].compared);
-  }
-  return counts;
-}
-
 }  // namespace
 
 void DepthEvaluationOptions::describe(FieldList& fields) {
@@ -71,22 +51,25 @@ void DepthEvaluationOptions::describe(FieldList& fields) {
   depth_input.describe(fields);
 }
 
-DepthReport& DepthReport::operator+=(const DepthReport& other) {
-  images += other.images;
-  without_truth += other.without_truth;
-  errors += other.errors;
-  return *this;
+void DepthReport::describe(Figures& figures) {
+  figures.name(scene);
+  figures.sum("images", images);
+  figures.sum("without_truth", without_truth);
+  figures.group(errors);
+}
+
+void validate(const DepthEvaluationOptions& options) {
+  validateFields(options);
+  validate(options.depth);
+  validate(sourceOf(options));
 }
 
 DepthReport evaluateDepth(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
-  validateFields(options);
-  validate(options.depth);
-  const bool by_lidar = options.truth == DepthTruth::kLidar;
-  const DepthSource source{options.depth.depth, options.depth.working_width, options.depth_input, by_lidar};
-  validate(source);
+  validate(options);
+  const bool by_lidar = isByLidar(options);
   const std::vector<Index> images = imagesOf(tables, scene, options);
   const RadarScene radar = loadRadarScene(tables, scene, options.radar_channels, options.ego_velocity);
-  SceneDepths depths(tables, radar, source);
+  SceneDepths depths(tables, radar, sourceOf(options));
   DepthReport report;
   report.scene = tables.scenes[at(scene)].name;
   for (const Index row : images) {
@@ -103,28 +86,14 @@ DepthReport evaluateDepth(const Tables& tables, Index scene, const DepthEvaluati
 }
 
 std::string formatTable(const std::vector<DepthReport>& scenes, const DepthReport& overall) {
-  std::string table = fmt::format("{:<14}{:>7}{:>10}", "Scene", "Images", "no truth");
+  std::vector<Column> columns = {{"Images", 7, "images"}, {"no truth", 10, "without_truth"}};
   for (const double limit : DepthErrors::kLimits) {
-    table += fmt::format("{:>10}{:>10}{:>10}", fmt::format("MAE {:.0f}", limit),
-                         fmt::format("RMSE {:.0f}", limit), fmt::format("cover {:.0f}", limit));
+    for (const auto& [title, key] : {std::pair("MAE", "mae"), {"RMSE", "rmse"}, {"cover", "coverage"}})
+      columns.push_back({fmt::format("{} {:.0f}", title, limit), 10, fmt::format("{}_{:.0f}", key, limit)});
   }
-  table += fmt::format("{:>10}{:>10}\n", "sigma 50%", "sigma 68%");
-  const auto row = [&table](const DepthReport& report, const std::string& name) {
-    table += fmt::format("{:<14}{:>7}{:>10}", name, report.images, report.without_truth);
-    for (const auto& [key, value] : figuresOf(report)) table += fmt::format("{:>10}", figure(value));
-    table += "\n";
-  };
-  for (const DepthReport& scene : scenes) row(scene, scene.scene);
-  row(overall, "Overall");
-  return table;
-}
-
-std::string formatJson(const std::vector<DepthReport>& scenes, const DepthReport& overall) {
-  return jsonOf(scenes, overall, figuresOf, countsOf);
-}
-
-std::string formatCsv(const std::vector<DepthReport>& scenes, const DepthReport& overall) {
-  return csvOf(scenes, overall, figuresOf, countsOf);
+  columns.push_back({"sigma 50%", 10, "sigma_median"});
+  columns.push_back({"sigma 68%", 10, "sigma_68"});
+  return tableOf("Scene", 14, rowsOf(scenes, overall), columns);
 }
 
 }  // namespace radar_dot::evaluation

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -14,9 +13,7 @@
 namespace radar_dot::evaluation {
 namespace {
 
-double ratio(double part, std::uint64_t whole) {
-  return whole == 0 ? std::numeric_limits<double>::quiet_NaN() : part / static_cast<double>(whole);
-}
+constexpr double kWithinSigma = 0.6827;  // share of normal errors within 1 sigma
 
 bool isDepth(float value) { return std::isfinite(value) && value > 0.0F; }
 
@@ -29,9 +26,10 @@ void NormalisedErrors::add(double ratio) {
   ++counts_[static_cast<std::size_t>(std::clamp(bin, 0.0, last))];
 }
 
-NormalisedErrors& NormalisedErrors::operator+=(const NormalisedErrors& other) {
-  std::transform(counts_.begin(), counts_.end(), other.counts_.begin(), counts_.begin(), std::plus<>());
-  return *this;
+void NormalisedErrors::describe(Figures& figures) {
+  figures.figure("sigma_median", quantile(0.5));
+  figures.figure("sigma_68", quantile(kWithinSigma));
+  figures.part(counts_);
 }
 
 std::uint64_t NormalisedErrors::count() const {
@@ -53,7 +51,17 @@ double DepthErrors::Sums::meanAbsoluteError() const { return ratio(absolute, com
 
 double DepthErrors::Sums::rootMeanSquaredError() const { return std::sqrt(ratio(squared, compared)); }
 
-double DepthErrors::Sums::coverage() const { return ratio(static_cast<double>(compared), true_pixels); }
+double DepthErrors::Sums::coverage() const { return ratio(compared, true_pixels); }
+
+void DepthErrors::Sums::describe(Figures& figures) {
+  figures.figure("mae", meanAbsoluteError());
+  figures.figure("rmse", rootMeanSquaredError());
+  figures.figure("coverage", coverage());
+  figures.sum("true_pixels", true_pixels);
+  figures.sum("compared", compared);
+  figures.part(absolute);
+  figures.part(squared);
+}
 
 void DepthErrors::add(const cv::Mat& estimate, const cv::Mat& truth, const cv::Mat& relative_std) {
   if (estimate.type() != CV_32FC1 || truth.type() != CV_32FC1 || estimate.size() != truth.size()) {
@@ -89,15 +97,10 @@ void DepthErrors::add(const cv::Mat& estimate, const cv::Mat& truth, const cv::M
   }
 }
 
-DepthErrors& DepthErrors::operator+=(const DepthErrors& other) {
-  for (std::size_t i = 0; i < within.size(); ++i) {
-    within[i].true_pixels += other.within[i].true_pixels;
-    within[i].compared += other.within[i].compared;
-    within[i].absolute += other.within[i].absolute;
-    within[i].squared += other.within[i].squared;
-  }
-  normalised += other.normalised;
-  return *this;
+void DepthErrors::describe(Figures& figures) {
+  for (std::size_t i = 0; i < within.size(); ++i)
+    figures.group(within[i], fmt::format("_{:.0f}", kLimits[i]));
+  figures.group(normalised);
 }
 
 }  // namespace radar_dot::evaluation

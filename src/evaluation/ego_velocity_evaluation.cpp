@@ -227,11 +227,6 @@ void evaluateLabels(const dataset::Tables& tables, const RadarScene& scene,
   }
 }
 
-template <typename Value>
-void merge(std::map<std::string, Value>& into, const std::map<std::string, Value>& from) {
-  for (const auto& [key, value] : from) into[key] += value;
-}
-
 }  // namespace
 
 void VelocityEvaluationOptions::describe(FieldList& fields) {
@@ -245,46 +240,14 @@ void VelocityEvaluationOptions::describe(FieldList& fields) {
   masks.describe(fields);
 }
 
-ModelErrors& ModelErrors::operator+=(const ModelErrors& other) {
-  vx += other.vx;
-  vy += other.vy;
-  yaw_rate += other.yaw_rate;
-  normalised_vx += other.normalised_vx;
-  normalised_vy += other.normalised_vy;
-  normalised_yaw_rate += other.normalised_yaw_rate;
-  return *this;
-}
-
-VelocityReport& VelocityReport::operator+=(const VelocityReport& other) {
-  frames += other.frames;
-  refused += other.refused;
-  merge(refusals, other.refusals);
-  for (const auto& [channel, counts] : other.missing_files) {
-    missing_files[channel].first += counts.first;
-    missing_files[channel].second += counts.second;
-  }
-  merge(mae, other.mae);
-  merge(models, other.models);
-  causal += other.causal;
-  filtered += other.filtered;
-  filter_rejected += other.filter_rejected;
-  filter_starts += other.filter_starts;
-  merge(mounts, other.mounts);
-  wheel_estimate += other.wheel_estimate;
-  wheel_ground_truth += other.wheel_ground_truth;
-  sweeps += other.sweeps;
-  sweeps_refused += other.sweeps_refused;
-  gt_heading += other.gt_heading;
-  own_heading += other.own_heading;
-  dynamic += other.dynamic;
-  dynamic_70m += other.dynamic_70m;
-  return *this;
+void validate(const VelocityEvaluationOptions& options) {
+  validateFields(options);
+  validate(options.ego_velocity);
 }
 
 VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
                                    const VelocityEvaluationOptions& options) {
-  validateFields(options);
-  validate(options.ego_velocity);
+  validate(options);
   VelocityReport report;
   report.scene = tables.scenes[static_cast<std::size_t>(scene)].name;
   const RadarScene loaded =

@@ -10,6 +10,14 @@ std::optional<FileSource> fileSourceOf(const std::string& backend) {
   return std::nullopt;
 }
 
+void checkBackend(const DepthParams& params) {
+  if (!fileSourceOf(params.backend)) makeDepthEstimator(params);
+}
+
+void checkBackend(const OpticalFlowParams& params) {
+  if (!fileSourceOf(params.backend)) makeOpticalFlow(params);
+}
+
 void PairOptions::describe(FieldList& fields) {
   describeCamera(camera, fields);
   fields.add("pairs", pairs, "Which images make a pair");

@@ -12,6 +12,7 @@
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "radar_dot/vision/camera_intrinsics.h"
 #include "radar_dot/vision/rigid_motion.h"
+#include "report_format.h"
 #include "scene_images.h"
 #include "segmentation_images.h"
 
@@ -94,10 +95,41 @@ void FlowEvaluationOptions::describe(FieldList& fields) {
   depth_input.describe(fields);
 }
 
-FlowReport evaluateFlow(const Tables& tables, Index scene, const FlowEvaluationOptions& options) {
+void FlowReport::describe(Figures& figures) {
+  figures.name(scene);
+  figures.sum("pairs", pairs);
+  figures.group(errors);
+  figures.figure("ms_per_pair", 1e3 * medianAbsolute(seconds));
+  figures.part(seconds);
+}
+
+std::string formatTable(const std::vector<FlowReport>& scenes, const FlowReport& overall) {
+  std::vector<Column> columns = {{"Pairs", 7, "pairs"}};
+  for (const char* group : {"_all", "_static", "_moving"}) {
+    for (Column column : {Column{"mean", 11, "epe"},
+                          {"median", 8, "epe_median"},
+                          {"Fl %", 6, "fl", 1, 1e2},
+                          {"dense %", 8, "density", 1, 1e2}}) {
+      column.key += group;
+      columns.push_back(column);
+    }
+  }
+  columns.push_back({"ms/pair", 10, "ms_per_pair", 1});
+  return "End-point error in px of the full image. Fl: of the pixels with flow, those off by over 3 px and "
+         "over "
+         "5 %. Dense: pixels with flow, of those with truth.\n" +
+         fmt::format("{:>32}{:>33}{:>33}\n", "all", "static", "moving") +
+         tableOf("Scene", 14, rowsOf(scenes, overall), columns);
+}
+
+void validate(const FlowEvaluationOptions& options) {
   validateFields(options);
   validate(options.optical_flow);
   validate(options.depth);
+}
+
+FlowReport evaluateFlow(const Tables& tables, Index scene, const FlowEvaluationOptions& options) {
+  validate(options);
   const std::vector<ImagePair> pairs = pairsOf(tables, scene, options.pairs);
   requireTruth(tables, options);
   const RadarScene radar = loadRadarScene(tables, scene, {}, options.ego_velocity);

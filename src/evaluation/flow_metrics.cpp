@@ -14,10 +14,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-double ratio(double part, std::uint64_t whole) {
-  return whole == 0 ? kNaN : part / static_cast<double>(whole);
-}
-
 void require(const cv::Mat& image, int type, const cv::Size& size, const char* name) {
   if (image.type() == type && image.size() == size && !image.empty()) return;
   throw std::invalid_argument(
@@ -35,9 +31,9 @@ bool isKnown(const FlowField& field, int row, int column) {
 
 double FlowErrors::Group::mean() const { return ratio(sum, compared); }
 
-double FlowErrors::Group::outlierShare() const { return ratio(static_cast<double>(outliers), compared); }
+double FlowErrors::Group::outlierShare() const { return ratio(outliers, compared); }
 
-double FlowErrors::Group::density() const { return ratio(static_cast<double>(compared), true_pixels); }
+double FlowErrors::Group::density() const { return ratio(compared, true_pixels); }
 
 std::size_t FlowErrors::Group::binOf(double error) {
   constexpr int kBins = kBinsPerOctave * kOctaves;
@@ -52,7 +48,7 @@ double FlowErrors::Group::median() const {
   std::uint64_t seen = bins_[0];
   if (seen > before) return 0.0;
   std::size_t bin = 0;
-  while (seen <= before) seen += bins_[++bin];
+  while (seen <= before && bin + 1 < bins_.size()) seen += bins_[++bin];
   // The middle of the bin.
   return std::exp2((static_cast<double>(bin) - 0.5) / kBinsPerOctave + kFirstOctave);
 }
@@ -64,13 +60,16 @@ void FlowErrors::Group::add(double error, double length) {
   ++bins_[binOf(error)];
 }
 
-FlowErrors::Group& FlowErrors::Group::operator+=(const Group& other) {
-  true_pixels += other.true_pixels;
-  compared += other.compared;
-  outliers += other.outliers;
-  sum += other.sum;
-  for (std::size_t i = 0; i < bins_.size(); ++i) bins_[i] += other.bins_[i];
-  return *this;
+void FlowErrors::Group::describe(Figures& figures) {
+  figures.figure("epe", mean());
+  figures.figure("epe_median", median());
+  figures.figure("fl", outlierShare());
+  figures.figure("density", density());
+  figures.sum("true_pixels", true_pixels);
+  figures.sum("compared", compared);
+  figures.part(outliers);
+  figures.part(sum);
+  figures.part(bins_);
 }
 
 void FlowErrors::add(const FlowField& estimate, const FlowField& truth, const cv::Mat& movers,
@@ -106,11 +105,10 @@ void FlowErrors::add(const FlowField& estimate, const FlowField& truth, const cv
   }
 }
 
-FlowErrors& FlowErrors::operator+=(const FlowErrors& other) {
-  all += other.all;
-  still += other.still;
-  moving += other.moving;
-  return *this;
+void FlowErrors::describe(Figures& figures) {
+  figures.group(all, "_all");
+  figures.group(still, "_static");
+  figures.group(moving, "_moving");
 }
 
 }  // namespace radar_dot::evaluation

@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "radar_dot/evaluation/noisy_depth.h"
+#include "noisy_depth.h"
 
 #include <algorithm>
 #include <cmath>

@@ -265,21 +265,6 @@ ReturnFilter objectFilter(ReturnFilter filter, ObjectReturns returns) {
   return filter;
 }
 
-void validateAll(const ObjectEvaluationOptions& options) {
-  validateFields(options);
-  validateFields(options.ego);
-  validate(options.ego.ego_velocity);
-  validate(options.objects);
-  validate(options.depth);
-  // A later mask would be refused by the tracker, every time and without a word.
-  if (options.masks.directory.empty() || options.masks.delay <= options.objects.tracker.max_lag) return;
-  throw InvalidParameter(
-      {fieldsOf(options).of(&options.masks.delay).name,
-       fieldsOf(options.objects).of(&options.objects.tracker.max_lag).name},
-      fmt::format("masks with a delay (mask_delay) of {} s come too late for max_lag of {} s",
-                  options.masks.delay, options.objects.tracker.max_lag));
-}
-
 }  // namespace
 
 void ObjectEvaluationOptions::describe(FieldList& fields) {
@@ -299,9 +284,24 @@ void ObjectEvaluationOptions::describe(FieldList& fields) {
   depth_input.describe(fields);
 }
 
+void validate(const ObjectEvaluationOptions& options) {
+  validateFields(options);
+  validateFields(options.ego);
+  validate(options.ego.ego_velocity);
+  validate(options.objects);
+  validate(options.depth);
+  // A later mask would be refused by the tracker, every time and without a word.
+  if (options.masks.directory.empty() || options.masks.delay <= options.objects.tracker.max_lag) return;
+  throw InvalidParameter(
+      {fieldsOf(options).of(&options.masks.delay).name,
+       fieldsOf(options.objects).of(&options.objects.tracker.max_lag).name},
+      fmt::format("masks with a delay (mask_delay) of {} s come too late for max_lag of {} s",
+                  options.masks.delay, options.objects.tracker.max_lag));
+}
+
 ObjectReport evaluateObjects(const dataset::Tables& tables, Index scene,
                              const ObjectEvaluationOptions& options) {
-  validateAll(options);
+  validate(options);
   VelocityEvaluationOptions ego = options.ego;
   ego.ego_velocity.filter = true;
   EgoVelocityConfig config = ego.ego_velocity;

@@ -2,103 +2,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <utility>
-
 #include "radar_dot/evaluation/object_evaluation.h"
 #include "report_format.h"
 
 namespace radar_dot::evaluation {
-namespace {
-
-double ratio(std::size_t part, std::size_t whole) {
-  return whole == 0 ? std::numeric_limits<double>::quiet_NaN()
-                    : static_cast<double>(part) / static_cast<double>(whole);
-}
-
-/// All movers and each kind of them, as files name them.
-std::vector<std::pair<std::string, MoverCounts>> groupsOf(const ObjectReport& report) {
-  std::vector<std::pair<std::string, MoverCounts>> groups = {{"all", report.all()}};
-  for (std::size_t kind = 0; kind < kMoverKinds.size(); ++kind)
-    groups.emplace_back(kMoverKinds[kind], report.kinds[kind]);
-  return groups;
-}
-
-Figures figuresOf(const ObjectReport& report) {
-  Figures figures = {{"precision", report.precision()}};
-  for (const auto& [name, counts] : groupsOf(report)) {
-    const ObjectErrors& errors = counts.errors;
-    figures.emplace_back("recall_" + name, counts.recall());
-    figures.emplace_back("recall_of_seen_" + name, counts.seenRecall());
-    figures.emplace_back("moving_share_" + name, counts.movingShare());
-    figures.emplace_back("position_mae_" + name, meanAbsolute(errors.position));
-    figures.emplace_back("radial_mae_" + name, meanAbsolute(errors.radial));
-    figures.emplace_back("radial_median_" + name, medianAbsolute(errors.radial));
-    figures.emplace_back("velocity_mae_" + name, meanAbsolute(errors.velocity));
-    figures.emplace_back("velocity_median_" + name, medianAbsolute(errors.velocity));
-    figures.emplace_back("velocity_nees_" + name, errors.normalised_velocity.value());
-  }
-  return figures;
-}
-
-Counts countsOf(const ObjectReport& report) {
-  Counts counts = {{"keyframes", report.keyframes},         {"tracks", report.tracks},
-                   {"true_tracks", report.true_tracks},     {"unknown_tracks", report.unknown_tracks},
-                   {"duplicate_tracks", report.duplicates}, {"standing_tracks", report.standing_tracks},
-                   {"empty_tracks", report.empty_tracks},   {"identity_switches", report.identity_switches}};
-  for (const auto& [name, group] : groupsOf(report)) {
-    counts.emplace_back("movers_" + name, group.movers);
-    counts.emplace_back("matched_" + name, group.matched);
-    counts.emplace_back("unseen_" + name, group.unseen);
-    counts.emplace_back("unmoving_" + name, group.unmoving);
-  }
-  return counts;
-}
-
-void append(std::vector<double>& values, const std::vector<double>& more) {
-  values.insert(values.end(), more.begin(), more.end());
-}
-
-std::string percent(double share) { return figure(1e2 * share, 1); }
-
-}  // namespace
-
-double meanAbsolute(const std::vector<double>& values) {
-  Mean mean;
-  for (const double value : values) mean.add(std::abs(value));
-  return mean.value();
-}
-
-double medianAbsolute(const std::vector<double>& values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::vector<double> sorted;
-  for (const double value : values) sorted.push_back(std::abs(value));
-  std::sort(sorted.begin(), sorted.end());
-  const std::size_t half = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
-}
-
-ObjectErrors& ObjectErrors::operator+=(const ObjectErrors& other) {
-  append(position, other.position);
-  append(radial, other.radial);
-  append(velocity, other.velocity);
-  normalised_velocity += other.normalised_velocity;
-  return *this;
-}
 
 double MoverCounts::recall() const { return ratio(matched, movers); }
 double MoverCounts::seenRecall() const { return ratio(matched, movers - unseen); }
-double MoverCounts::movingShare() const { return ratio(movers - unseen - unmoving, movers); }
 
-MoverCounts& MoverCounts::operator+=(const MoverCounts& other) {
-  movers += other.movers;
-  matched += other.matched;
-  unseen += other.unseen;
-  unmoving += other.unmoving;
-  errors += other.errors;
-  return *this;
+void MoverCounts::describe(Figures& figures) {
+  figures.figure("recall", recall());
+  figures.figure("recall_of_seen", seenRecall());
+  // What a tracker of moving returns can find at most, but for those it carries over gaps.
+  figures.figure("moving_share", ratio(movers - unseen - unmoving, movers));
+  figures.figure("position_mae", meanAbsolute(errors.position));
+  figures.figure("radial_mae", meanAbsolute(errors.radial));
+  figures.figure("radial_median", medianAbsolute(errors.radial));
+  figures.figure("velocity_mae", meanAbsolute(errors.velocity));
+  figures.figure("velocity_median", medianAbsolute(errors.velocity));
+  figures.figure("velocity_nees", errors.normalised_velocity.value());
+  figures.sum("movers", movers);
+  figures.sum("matched", matched);
+  figures.sum("unseen", unseen);
+  figures.sum("unmoving", unmoving);
+  figures.column("unseen_share", ratio(unseen, movers));
+  figures.column("still_share", ratio(unmoving, movers));
+  figures.part(errors.position);
+  figures.part(errors.radial);
+  figures.part(errors.velocity);
+  figures.part(errors.normalised_velocity);
 }
 
 MoverCounts ObjectReport::all() const {
@@ -109,58 +41,54 @@ MoverCounts ObjectReport::all() const {
 
 double ObjectReport::precision() const { return ratio(true_tracks, tracks - unknown_tracks); }
 
-ObjectReport& ObjectReport::operator+=(const ObjectReport& other) {
-  keyframes += other.keyframes;
-  for (std::size_t kind = 0; kind < kinds.size(); ++kind) kinds[kind] += other.kinds[kind];
-  tracks += other.tracks;
-  true_tracks += other.true_tracks;
-  unknown_tracks += other.unknown_tracks;
-  duplicates += other.duplicates;
-  standing_tracks += other.standing_tracks;
-  empty_tracks += other.empty_tracks;
-  identity_switches += other.identity_switches;
-  return *this;
+void ObjectReport::describe(Figures& figures) {
+  figures.name(scene);
+  figures.figure("precision", precision());
+  figures.sum("keyframes", keyframes);
+  figures.sum("tracks", tracks);
+  figures.sum("true_tracks", true_tracks);
+  figures.sum("unknown_tracks", unknown_tracks);
+  figures.sum("duplicate_tracks", duplicates);
+  figures.sum("standing_tracks", standing_tracks);
+  figures.sum("empty_tracks", empty_tracks);
+  figures.sum("identity_switches", identity_switches);
+  figures.show(all(), "_all");
+  for (std::size_t i = 0; i < kinds.size(); ++i) figures.group(kinds[i], std::string("_") + kMoverKinds[i]);
 }
 
 std::string formatTable(const std::vector<ObjectReport>& scenes, const ObjectReport& overall) {
-  std::string table =
-      "Tracks of moving objects against annotated movers at keyframes. Unseen: movers without any return, "
-      "still: with returns, none of which is trusted and moves.\n";
-  table += fmt::format("{:<14}{:<12}{:>7}{:>9}{:>8}{:>9}{:>9}{:>10}{:>10}{:>10}{:>10}\n", "Scene", "Kind",
-                       "Movers", "Unseen %", "Still %", "Recall %", "of seen", "pos. m", "rad. m/s",
-                       "rad. med.", "vel. m/s");
-  const auto rows = [&table](const ObjectReport& report, const std::string& name) {
-    for (const auto& [kind, counts] : groupsOf(report)) {
-      if (counts.movers == 0 && kind != "all") continue;
-      table += fmt::format(
-          "{:<14}{:<12}{:>7}{:>9}{:>8}{:>9}{:>9}{:>10}{:>10}{:>10}{:>10}\n", kind == "all" ? name : "", kind,
-          counts.movers, percent(ratio(counts.unseen, counts.movers)),
-          percent(ratio(counts.unmoving, counts.movers)), percent(counts.recall()),
-          percent(counts.seenRecall()), figure(meanAbsolute(counts.errors.position), 2),
-          figure(meanAbsolute(counts.errors.radial)), figure(medianAbsolute(counts.errors.radial)),
-          figure(meanAbsolute(counts.errors.velocity), 2));
-    }
+  std::vector<Row> rows;
+  const auto name = [](const std::string& scene, const std::string& kind) {
+    return fmt::format("{:<14}{:<12}", scene, kind);
   };
-  for (const ObjectReport& scene : scenes) rows(scene, scene.scene);
-  rows(overall, "Overall");
-  table += fmt::format("\n{:<14}{:>7}{:>12}{:>9}{:>12}{:>12}{:>9}{:>12}\n", "Scene", "Tracks", "Precision %",
-                       "unknown", "duplicates", "standing", "empty", "ID switches");
-  const auto row = [&table](const ObjectReport& report, const std::string& name) {
-    table += fmt::format("{:<14}{:>7}{:>12}{:>9}{:>12}{:>12}{:>9}{:>12}\n", name, report.tracks,
-                         percent(report.precision()), report.unknown_tracks, report.duplicates,
-                         report.standing_tracks, report.empty_tracks, report.identity_switches);
+  const auto add = [&](const ObjectReport& report, const std::string& scene) {
+    rows.emplace_back(name(scene, "all"), figuresOf(report.all()));
+    for (std::size_t i = 0; i < report.kinds.size(); ++i)
+      if (report.kinds[i].movers > 0) rows.emplace_back(name("", kMoverKinds[i]), figuresOf(report.kinds[i]));
   };
-  for (const ObjectReport& scene : scenes) row(scene, scene.scene);
-  row(overall, "Overall");
-  return table;
-}
-
-std::string formatJson(const std::vector<ObjectReport>& scenes, const ObjectReport& overall) {
-  return jsonOf(scenes, overall, figuresOf, countsOf);
-}
-
-std::string formatCsv(const std::vector<ObjectReport>& scenes, const ObjectReport& overall) {
-  return csvOf(scenes, overall, figuresOf, countsOf);
+  for (const ObjectReport& scene : scenes) add(scene, scene.scene);
+  add(overall, "Overall");
+  return "Tracks of moving objects against annotated movers at keyframes. Unseen: movers without any return, "
+         "still: with returns, none of which is trusted and moves.\n" +
+         tableOf(name("Scene", "Kind"), 26, rows,
+                 {{"Movers", 7, "movers"},
+                  {"Unseen %", 9, "unseen_share", 1, 1e2},
+                  {"Still %", 8, "still_share", 1, 1e2},
+                  {"Recall %", 9, "recall", 1, 1e2},
+                  {"of seen", 9, "recall_of_seen", 1, 1e2},
+                  {"pos. m", 10, "position_mae", 2},
+                  {"rad. m/s", 10, "radial_mae"},
+                  {"rad. med.", 10, "radial_median"},
+                  {"vel. m/s", 10, "velocity_mae", 2}}) +
+         "\n" +
+         tableOf("Scene", 14, rowsOf(scenes, overall),
+                 {{"Tracks", 7, "tracks"},
+                  {"Precision %", 12, "precision", 1, 1e2},
+                  {"unknown", 9, "unknown_tracks"},
+                  {"duplicates", 12, "duplicate_tracks"},
+                  {"standing", 12, "standing_tracks"},
+                  {"empty", 9, "empty_tracks"},
+                  {"ID switches", 12, "identity_switches"}});
 }
 
 }  // namespace radar_dot::evaluation

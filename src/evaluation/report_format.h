@@ -2,105 +2,65 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <fmt/format.h>
+#include <rapidjson/document.h>
 #include <rapidjson/prettywriter.h>
 #include <rapidjson/stringbuffer.h>
 
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "radar_dot/evaluation/figures.h"
+
 namespace radar_dot::evaluation {
+
+/// A figure in a table, or in a CSV file.
+struct Column {
+  std::string title;
+  std::size_t width;  ///< characters
+  std::string key;
+  int decimals = 3;
+  double factor = 1.0;  ///< of what is shown to the figure
+};
+
+/// A name, and the figures beside it.
+using Row = std::pair<std::string, Figures>;
+
+/// The scenes and below them what they are together.
+template <typename Report>
+std::vector<Row> rowsOf(const std::vector<Report>& scenes, const Report& overall,
+                        const std::string& overall_name = "Overall") {
+  std::vector<Row> rows;
+  for (const Report& scene : scenes) rows.emplace_back(scene.scene, figuresOf(scene));
+  rows.emplace_back(overall_name, figuresOf(overall));
+  return rows;
+}
+
+/// A dash stands for a figure that does not exist.
+/// @param title, width  of the column of names
+/// @param rules         lines of dashes below the titles and above the last row
+std::string tableOf(const std::string& title, std::size_t width, const std::vector<Row>& rows,
+                    const std::vector<Column>& columns, bool rules = false);
+
+/// Nothing stands for a figure that does not exist.
+std::string csvOf(const std::vector<Row>& rows, const std::vector<Column>& columns);
 
 using JsonWriter = rapidjson::PrettyWriter<rapidjson::StringBuffer>;
 
-/// A figure, or a dash where there is none.
-inline std::string figure(double value, int decimals = 3) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
-}
+/// What `write` writes, and a line break.
+std::string jsonText(const std::function<void(JsonWriter&)>& write);
 
-/// A member that is null where there is no figure.
-inline void number(JsonWriter& writer, const char* key, double value) {
-  writer.Key(key);
-  if (std::isfinite(value)) {
-    writer.Double(value);
-  } else {
-    writer.Null();
-  }
-}
+/// One object; the overall one has no name.
+void writeReport(JsonWriter& writer, const Figures& figures, bool is_overall);
 
-inline void count(JsonWriter& writer, const char* key, std::size_t value) {
-  writer.Key(key);
-  writer.Uint64(value);
-}
+/// {"scenes": [...], "overall": ..., more}; `more()` writes further members.
+void writeScenes(
+    JsonWriter& writer, const std::vector<Figures>& scenes, const Figures& overall,
+    const std::function<void()>& more = [] {});
 
-/// {"scenes": [...], "overall": ..., more}; `write(report, is_overall)` writes one of them, `more()` further
-/// members.
-template <typename Report, typename Write, typename More>
-void writeScenes(JsonWriter& writer, const std::vector<Report>& scenes, const Report& overall,
-                 const Write& write, const More& more) {
-  writer.StartObject();
-  writer.Key("scenes");
-  writer.StartArray();
-  for (const Report& scene : scenes) write(scene, false);
-  writer.EndArray();
-  writer.Key("overall");
-  write(overall, true);
-  more();
-  writer.EndObject();
-}
-
-template <typename Report, typename Write>
-void writeScenes(JsonWriter& writer, const std::vector<Report>& scenes, const Report& overall,
-                 const Write& write) {
-  writeScenes(writer, scenes, overall, write, [] {});
-}
-
-/// Name and value, in the order of the files.
-using Figures = std::vector<std::pair<std::string, double>>;
-using Counts = std::vector<std::pair<std::string, std::uint64_t>>;
-
-/// A JSON file of reports that have a name, figures and counts, by `figures_of(report)` and
-/// `counts_of(report)`.
-template <typename Report, typename FiguresOf, typename CountsOf>
-std::string jsonOf(const std::vector<Report>& scenes, const Report& overall, const FiguresOf& figures_of,
-                   const CountsOf& counts_of) {
-  rapidjson::StringBuffer buffer;
-  JsonWriter writer(buffer);
-  writeScenes(writer, scenes, overall, [&](const Report& report, bool is_overall) {
-    writer.StartObject();
-    if (!is_overall) {
-      writer.Key("scene");
-      writer.String(report.scene.c_str());
-    }
-    for (const auto& [key, value] : figures_of(report)) number(writer, key.c_str(), value);
-    for (const auto& [key, value] : counts_of(report)) count(writer, key.c_str(), value);
-    writer.EndObject();
-  });
-  return std::string(buffer.GetString(), buffer.GetSize()) + "\n";
-}
-
-/// The same as columns.
-template <typename Report, typename FiguresOf, typename CountsOf>
-std::string csvOf(const std::vector<Report>& scenes, const Report& overall, const FiguresOf& figures_of,
-                  const CountsOf& counts_of) {
-  std::string text = "scene";
-  for (const auto& [key, value] : figures_of(overall)) text += "," + key;
-  for (const auto& [key, value] : counts_of(overall)) text += "," + key;
-  text += "\n";
-  const auto line = [&](const Report& report, const std::string& name) {
-    text += name;
-    for (const auto& [key, value] : figures_of(report))
-      text += std::isfinite(value) ? fmt::format(",{:.6f}", value) : ",";
-    for (const auto& [key, value] : counts_of(report)) text += fmt::format(",{}", value);
-    text += "\n";
-  };
-  for (const Report& scene : scenes) line(scene, scene.scene);
-  line(overall, "overall");
-  return text;
-}
+/// Reads the sums of a report. @throws std::runtime_error naming `where` and the field.
+void readSums(const Figures& figures, const rapidjson::Value& value, const std::string& where);
 
 }  // namespace radar_dot::evaluation

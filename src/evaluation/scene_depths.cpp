@@ -13,8 +13,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "noisy_depth.h"
 #include "radar_dot/dataset/point_files.h"
-#include "radar_dot/evaluation/noisy_depth.h"
 #include "segmentation_images.h"
 
 namespace radar_dot::evaluation {

@@ -13,6 +13,7 @@
 
 #include "parameter_document.h"
 #include "radar_dot/common/did_you_mean.h"
+#include "text_layout.h"
 
 namespace radar_dot::tools {
 namespace {
@@ -245,12 +246,12 @@ std::optional<int> CommandLine::parse(int argc, const char* const* argv) {
     std::vector<std::string> files;
     const std::vector<Setting> settings = settingsOf(parsed, files);
     for (const std::string& file : files)
-      for (const void* member : readConfigFile(file, sections_, tool_, offered_.back().fields))
-        given_.insert(member);
+      for (const auto& [member, place] : readConfigFile(file, sections_, tool_, offered_.back().fields))
+        given_[member] = place;
     for (const auto& [option, text] : settings) {
       for (const Field& field : option->fields) {
+        given_[field.address].clear();
         field.setFromText(text);
-        given_.insert(field.address);
       }
     }
     checkRules();
@@ -286,7 +287,21 @@ int CommandLine::refuse(const InvalidParameter& error) const {
     const std::regex word("(^|[^\\w-])" + name + "(?![\\w-])");
     text = std::regex_replace(text, word, "$1--" + optionName(name), std::regex_constants::format_first_only);
   }
-  return refuse(text);
+  return refuse(text + placesOf(error.names()));
+}
+
+std::string CommandLine::placesOf(const std::vector<std::string>& names) const {
+  std::string places;
+  const auto add = [&](const FieldList& fields) {
+    for (const Field& field : fields) {
+      const auto found = given_.find(field.address);
+      if (found == given_.end() || std::find(names.begin(), names.end(), field.name) == names.end()) continue;
+      append(places, found->second, " and ");
+    }
+  };
+  for (const Section& section : sections_) add(section.fields);
+  add(offered_.back().fields);
+  return places.empty() ? places : "; set in " + places;
 }
 
 std::string CommandLine::parametersJson() const { return tools::parametersJson(tool_, offered_); }

@@ -4,8 +4,8 @@
 
 #include <boost/program_options.hpp>
 #include <functional>
+#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -74,7 +74,7 @@ class CommandLine {
   /// Says on standard error what is wrong with how the tool was called: "tool: what (see --help)".
   /// @return kUsageError
   int refuse(const std::string& what) const;
-  /// The same with options instead of the names of fields.
+  /// The same with options instead of the names of fields, and the places in files that set them.
   int refuse(const InvalidParameter& error) const;
 
   /// What is in force of what the tool offers, for withParameters(): {"tool": ..., "<section>": {...}, ...,
@@ -114,6 +114,8 @@ class CommandLine {
   void checkRules() const;
   /// Given, and no flag that is off or text that is empty.
   bool isOn(const std::string& name) const;
+  /// Where files set fields of these names, in words; empty: nowhere.
+  std::string placesOf(const std::vector<std::string>& names) const;
   std::string unknownOption(const std::string& name) const;
   int complain(const std::string& line) const;
 
@@ -125,7 +127,7 @@ class CommandLine {
   std::vector<Section> offered_ = {{"options", "", {}}};
   std::vector<Requirement> requirements_;
   std::vector<std::pair<std::string, std::string>> exclusions_;
-  std::set<const void*> given_;
+  std::map<const void*, std::string> given_;  ///< by member: place in a file; empty: the command line
 };
 
 }  // namespace radar_dot::tools

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <ios>
 #include <iterator>
+#include <map>
 #include <set>
 #include <system_error>
 
@@ -38,6 +39,17 @@ std::string contentOf(const std::string& path) {
   throw InvalidParameter({field.name}, fmt::format("{} {}", field.name, what));
 }
 
+/// What is written here without quotes is no text for roslaunch, which a nodelet then refuses.
+void refuseOtherType(const Field& field, const YAML::Node& value) {
+  if ((field.type != FieldType::kText && field.type != FieldType::kTextList) || value.Tag() != "?") return;
+  double number = 0.0;
+  bool is = false;
+  const std::string& text = value.Scalar();
+  if (YAML::convert<double>::decode(value, number) ||
+      (text.size() > 1 && YAML::convert<bool>::decode(value, is)))
+    refuse(field, fmt::format("is {} without quotes, must be {}", text, field.typeText()));
+}
+
 /// roslaunch converts what is marked as an angle in degrees, for example; nothing else may be read here.
 void refuseTag(const Field& field, const YAML::Node& value) {
   const std::string& tag = value.Tag();
@@ -45,7 +57,9 @@ void refuseTag(const Field& field, const YAML::Node& value) {
     refuse(field, fmt::format("has the tag {}; tags are not read here, write the plain value", tag));
 }
 
-void setScalar(const Field& field, const std::string& text) {
+void setScalar(const Field& field, const YAML::Node& value) {
+  refuseOtherType(field, value);
+  const std::string& text = value.Scalar();
   const bool is_number = field.type == FieldType::kDouble || field.type == FieldType::kInt;
   if (is_number && (text.rfind("deg(", 0) == 0 || text.rfind("rad(", 0) == 0)) {
     refuse(field, fmt::format("is '{}'; deg() and rad() are not read here, write the number{}{}", text,
@@ -59,19 +73,16 @@ void setSequence(const Field& field, const YAML::Node& list) {
   for (const YAML::Node& item : list) {
     refuseTag(field, item);
     if (!item.IsScalar()) refuse(field, "holds more than single values");
+    refuseOtherType(field, item);
     items.push_back(item.Scalar());
   }
-  // Texts may hold commas, so they are not joined.
-  if (field.type == FieldType::kIntList)
-    field.setFromText(fmt::format("[{}]", fmt::join(items, ", ")));
-  else
-    field.set(items);
+  field.setFromItems(items);
 }
 
 /// @throws InvalidParameter
 void setValue(const Field& field, const YAML::Node& value) {
   refuseTag(field, value);
-  if (value.IsScalar()) return setScalar(field, value.Scalar());
+  if (value.IsScalar()) return setScalar(field, value);
   if (value.IsSequence()) return setSequence(field, value);
   if (value.IsMap()) refuse(field, "is a dictionary, must be a value");
   if (!std::holds_alternative<std::monostate>(field.get())) refuse(field, "has no value");
@@ -83,7 +94,7 @@ class Reader {
          const FieldList& options)
       : path_(path), sections_(sections), tool_(tool), options_(options) {}
 
-  std::vector<const void*> read() {
+  std::map<const void*, std::string> read() {
     const std::string text = contentOf(path_);
     try {
       // Several documents in one file are loaded one after the other, as by rosparam.
@@ -170,7 +181,7 @@ class Reader {
       } catch (const InvalidParameter& error) {
         fail(key_node, prefix + "/" + error.what());
       }
-      set_.push_back(field.address);
+      set_[field.address] = fmt::format("{}:{}", path_, key_node.Mark().line + 1);
     }
     return is_known;
   }
@@ -179,13 +190,14 @@ class Reader {
   const std::vector<Section>& sections_;
   const std::string& tool_;
   const FieldList& options_;
-  std::vector<const void*> set_;
+  std::map<const void*, std::string> set_;
 };
 
 }  // namespace
 
-std::vector<const void*> readConfigFile(const std::string& path, const std::vector<Section>& sections,
-                                        const std::string& tool, const FieldList& options) {
+std::map<const void*, std::string> readConfigFile(const std::string& path,
+                                                  const std::vector<Section>& sections,
+                                                  const std::string& tool, const FieldList& options) {
   return Reader(path, sections, tool, options).read();
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -23,9 +24,11 @@ class ConfigFileError : public std::runtime_error {
 ///
 /// A report written with withParameters() by the tool of this name is read too: a file with a key
 /// "parameters". That alone counts then; it holds the sections and a section "options".
-/// @return the members that were set
+/// @return the members that were set, and where: "vehicle.yaml:12"
 /// @throws ConfigFileError; some values may be set by then
-std::vector<const void*> readConfigFile(const std::string& path, const std::vector<Section>& sections,
-                                        const std::string& tool = "", const FieldList& options = {});
+std::map<const void*, std::string> readConfigFile(const std::string& path,
+                                                  const std::vector<Section>& sections,
+                                                  const std::string& tool = "",
+                                                  const FieldList& options = {});
 
 }  // namespace radar_dot::tools

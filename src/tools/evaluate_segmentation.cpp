@@ -1,43 +1,32 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstddef>
 #include <filesystem>
-#include <stdexcept>
-#include <string>
-#include <vector>
+#include <mutex>
+#include <utility>
 
+#include "evaluation/segmentation_results.h"
 #include "evaluator.h"
-#include "radar_dot/evaluation/ablation.h"
-#include "radar_dot/evaluation/loop_comparison.h"
-#include "radar_dot/evaluation/segmentation_evaluation.h"
-#include "result_files.h"
-#include "segmentation_runner.h"
+#include "progress_bar.h"
 
 namespace {
 
 namespace dataset = radar_dot::dataset;
+namespace evaluation = radar_dot::evaluation;
 namespace tools = radar_dot::tools;
+using evaluation::SegmentationReport;
 using radar_dot::fieldsOf;
-using radar_dot::evaluation::AblationResult;
-using radar_dot::evaluation::LoopResult;
-using radar_dot::evaluation::SegmentationEvaluationOptions;
-using radar_dot::evaluation::SegmentationReport;
 
-constexpr const char* kTool = "evaluate_segmentation";
-
-struct Arguments {
-  tools::SceneInput input;
+struct Options {
   std::vector<std::string> merge;
   int jobs = 1;
   bool compare_loop = false, ablation = false, best = false;
-  tools::ResultFiles files;
-  SegmentationEvaluationOptions options;
+  evaluation::SegmentationEvaluationOptions evaluation;
 
   void describe(radar_dot::FieldList& fields) {
-    input.describe(fields);
+    fields.group("Input");
     fields.add("merge", merge, "Reports of other runs (--json) that become one table, instead of a dataroot");
     fields.add("jobs", jobs, "Scenes that are evaluated at a time", "", {1, 1024});
-    options.describe(fields);
+    evaluation.describe(fields);
     fields.group("Comparison");
     fields.add(
         "ablation", ablation,
@@ -53,123 +42,146 @@ struct Arguments {
         "with both, and compare them in a table, and in --json");
   }
 };
+using Evaluator = tools::Evaluator<Options>;
 
 /// The reports by scene, and where it was asked for, the comparison.
 struct Results {
   std::vector<SegmentationReport> scenes;
   SegmentationReport overall;
-  std::vector<LoopResult> loop;
-  std::vector<AblationResult> ablation;
+  std::optional<evaluation::Comparison> comparison;
 };
 
-SegmentationReport sumOf(const std::vector<SegmentationReport>& reports) {
-  SegmentationReport sum;
-  for (const SegmentationReport& report : reports) sum += report;
-  return sum;
-}
+/// Of several scenes at a time; ends them between pairs, where no mask is half written.
+class Progress {
+ public:
+  explicit Progress(std::size_t tasks) : tasks_(tasks, {0, 0}) {}
 
-Results evaluateAll(const Arguments& arguments) {
-  dataset::Tables tables = arguments.input.load();
+  void show(std::size_t task, std::size_t done, std::size_t all) {
+    signals_.check();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    tasks_[task] = {done, all};
+    // Scenes that have not begun are taken to be as long as this one.
+    std::size_t sum = 0;
+    std::size_t total = 0;
+    for (const auto& [so_far, pairs] : tasks_) {
+      sum += so_far;
+      total += pairs == 0 ? all : pairs;
+    }
+    bar_.update(sum, total);
+  }
+
+ private:
+  tools::SignalWatch signals_;
+  tools::ProgressBar bar_{"segmenting", "pairs"};
+  std::mutex mutex_;
+  std::vector<std::pair<std::size_t, std::size_t>> tasks_;  // done, all
+};
+
+std::vector<tools::SceneReports<SegmentationReport>> evaluateVariants(
+    const Evaluator& evaluator, const std::vector<evaluation::SegmentationEvaluationOptions>& variants) {
+  const tools::SceneInput& input = evaluator.input;
+  dataset::Tables tables = input.load();
   if (!dataset::hasInstanceMasks(tables)) {
     throw std::runtime_error(
         fmt::format("{}/{}/nuinsseg.json: is not there; get nuInsSeg for the masks of nuScenes, or simulate "
                     "(simulate_drive)",
-                    arguments.input.dataroot, arguments.input.version));
+                    input.dataroot, input.version));
   }
   const std::vector<dataset::InstanceMask> masks = dataset::readInstanceMasks(tables);
-  const SegmentationEvaluationOptions& options = arguments.options;
-  std::vector<SegmentationEvaluationOptions> variants = {options};
+  const auto by_scene = dataset::byScene(tables, masks);
+  Progress progress(tables.scenes.size() * variants.size());
+  return tools::evaluateScenes<SegmentationReport, evaluation::NoImages>(
+      {evaluator.name.c_str(), !input.scenes.empty(), "images", variants.size(),
+       static_cast<std::size_t>(evaluator.options.jobs)},
+      tables, [&](dataset::Index scene, std::size_t variant) {
+        const auto row = static_cast<std::size_t>(scene);
+        return evaluateSegmentation(tables, scene, by_scene[row], variants[variant],
+                                    [&](std::size_t done, std::size_t all) {
+                                      progress.show(row * variants.size() + variant, done, all);
+                                    });
+      });
+}
+
+Results evaluateAll(const Evaluator& evaluator) {
+  const evaluation::SegmentationEvaluationOptions& options = evaluator.options.evaluation;
+  const bool compare_loop = evaluator.options.compare_loop;
+  require(!compare_loop || options.velocity != evaluation::VelocitySource::kGroundTruth, fieldsOf(options),
+          {&options.velocity}, "--compare-loop needs a velocity by radar");
+  Results results;
+  std::vector<evaluation::SegmentationEvaluationOptions> variants = {options};
   std::size_t own = 0;
-  if (arguments.compare_loop) {
-    radar_dot::require(options.velocity != radar_dot::evaluation::VelocitySource::kGroundTruth,
-                       fieldsOf(options), {&options.velocity}, "--compare-loop needs a velocity by radar");
-  }
-  if (arguments.ablation) {
+  if (compare_loop || evaluator.options.ablation) {
+    results.comparison =
+        comparisonOf(compare_loop ? evaluation::Variants::kLoop : evaluation::Variants::kAblation, options);
+    own = ownVariant(*results.comparison, options);
     variants.clear();
-    for (const auto& step : radar_dot::evaluation::ablationSteps(options)) variants.push_back(step.options);
-    own = variants.size() - 1;  // the best
+    for (const evaluation::VariantResult& variant : results.comparison->results)
+      variants.push_back(variant.options);
   }
-  if (arguments.compare_loop) {
-    variants = radar_dot::evaluation::loopVariants(options);
-    own = radar_dot::evaluation::ownVariant(options);
-  }
-  for (const SegmentationEvaluationOptions& variant : variants)
+  for (const evaluation::SegmentationEvaluationOptions& variant : variants) validate(variant);
+  evaluation::checkBackend(options.depth.depth);
+  evaluation::checkBackend(options.optical_flow.flow);
+  for (const evaluation::SegmentationEvaluationOptions& variant : variants)
     if (!variant.mask_directory.empty()) std::filesystem::create_directories(variant.mask_directory);
-  radar_dot::tools::SegmentationRunner runner(tables, masks, variants, arguments.jobs,
-                                              !arguments.input.scenes.empty() || tables.scenes.size() == 1);
-  const std::vector<std::vector<SegmentationReport>> reports = runner.run();
-  for (const std::string& line : runner.leftOut())
-    fmt::print(stderr, "{}: warning: left out {}\n", kTool, line);
-  if (reports[own].empty())
-    throw std::runtime_error(arguments.input.dataroot + ": no scene has images on disk");
-  Results results{reports[own], sumOf(reports[own]), {}, {}};
-  if (arguments.ablation) {
-    const std::vector<radar_dot::evaluation::AblationStep> steps =
-        radar_dot::evaluation::ablationSteps(options);
-    for (std::size_t i = 0; i < steps.size(); ++i)
-      results.ablation.push_back({steps[i].name, reports[i], sumOf(reports[i])});
-  }
-  if (!arguments.compare_loop) return results;
-  for (std::size_t i = 0; i < variants.size(); ++i) {
-    results.loop.push_back(
-        {variants[i].mask_to_velocity, variants[i].segmentation.motion.radar.dynamic_gain != 0.0, sumOf(reports[i])});
+  const std::vector<tools::SceneReports<SegmentationReport>> reports = evaluateVariants(evaluator, variants);
+  results.scenes = reports[own].scenes;
+  results.overall = reports[own].overall;
+  for (std::size_t i = 0; results.comparison && i < reports.size(); ++i) {
+    results.comparison->results[i].scenes = reports[i].scenes;
+    results.comparison->results[i].overall = reports[i].overall;
   }
   return results;
 }
 
 Results merge(const std::vector<std::string>& files) {
-  const std::vector<SegmentationReport> scenes = radar_dot::evaluation::mergeJson(files);
-  return {scenes, sumOf(scenes), radar_dot::evaluation::mergeLoop(files),
-          radar_dot::evaluation::mergeAblation(files)};
+  Results results{evaluation::mergeJson(files), {}, evaluation::mergeComparison(files)};
+  for (const SegmentationReport& scene : results.scenes) results.overall += scene;
+  return results;
 }
 
-int run(const Arguments& arguments, const std::string& parameters) {
-  arguments.files.check();
-  const Results results = arguments.merge.empty() ? evaluateAll(arguments) : merge(arguments.merge);
-  if (!results.ablation.empty()) {
-    arguments.files.write(parameters, formatJson(results.scenes, results.overall, results.ablation),
-                          formatCsv(results.scenes, results.overall), formatAblationTable(results.ablation));
-  } else if (results.loop.empty()) {
-    arguments.files.write(parameters, results.scenes, results.overall);
-  } else {
-    arguments.files.write(
-        parameters, formatJson(results.scenes, results.overall, results.loop),
-        formatCsv(results.scenes, results.overall),
-        formatTable(results.scenes, results.overall) + "\n" + formatLoopTable(results.loop));
-  }
-  return 0;
+void write(const Evaluator& evaluator, const Results& results) {
+  const auto& [scenes, overall, comparison] = results;
+  if (!comparison) return evaluator.write(scenes, overall);
+  const bool is_loop = comparison->variants == evaluation::Variants::kLoop;
+  evaluator.files.write(evaluator.command_line.parametersJson(), formatJson(scenes, overall, *comparison),
+                        formatCsv(scenes, overall),
+                        (is_loop ? formatTable(scenes, overall) + "\n" : "") + formatTable(*comparison));
+}
+
+/// @return the name of one of the options
+void addRules(Evaluator& evaluator) {
+  const Options& options = evaluator.options;
+  const auto name_of = [&options](const void* member) { return tools::nameOf(options, member); };
+  const std::string merge = name_of(&options.merge);
+  const std::string ablation = name_of(&options.ablation);
+  evaluator.command_line.require(evaluator.dataroot(), merge, [&options] { return options.merge.empty(); });
+  evaluator.command_line.exclude(merge, evaluator.dataroot());
+  evaluator.command_line.exclude(ablation, name_of(&options.compare_loop));
+  evaluator.command_line.exclude(ablation, name_of(&options.best));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  tools::letWaitingThreadsSleep();
-  radar_dot::Configuration configuration;
-  Arguments arguments;
-  // Half a second between keyframes is more than dis finds from zero; networks do, and start from it below.
-  radar_dot::OpticalFlowParams& flow = configuration.optical_flow.flow;
-  flow.initialisation = radar_dot::FlowStart::kExpected;
-  tools::CommandLine command_line(
-      kTool, "Scores dynamic masks against nuInsSeg on a nuScenes dataroot, as the paper's Table I.",
+  Evaluator evaluator(
+      "evaluate_segmentation",
+      "Scores dynamic masks against nuInsSeg on a nuScenes dataroot, as the paper's Table I.",
       {"evaluate_segmentation --dataroot /data/nuscenes --config config/nuscenes.yaml --scenes scene-0103 "
        "--best",
        "evaluate_segmentation --dataroot sim --version v1.0-sim --config config/simulation.yaml --config "
        "config/masks.yaml --pairs next"});
-  command_line.setSections(sectionsOf(configuration));
-  command_line.add("", fieldsOf(arguments));
+  radar_dot::Configuration& configuration = evaluator.configuration;
+  // Half a second between keyframes is more than dis finds from zero; networks do, and start from it below.
+  radar_dot::OpticalFlowParams& flow = configuration.optical_flow.flow;
+  flow.initialisation = radar_dot::FlowStart::kExpected;
+  tools::CommandLine& command_line = evaluator.command_line;
   command_line.add("", fieldsOf(configuration.dynamic_segmentation));
   command_line.add("", fieldsOf(configuration.optical_flow));
   command_line.add("", fieldsOf(configuration.depth));
   command_line.add("", fieldsOf(configuration.ego_velocity));
-  command_line.addOutputs("", fieldsOf(arguments.files));
-  const auto name_of = [&arguments](const void* member) { return tools::nameOf(arguments, member); };
-  const std::string dataroot = name_of(&arguments.input.dataroot);
-  command_line.require(dataroot, name_of(&arguments.merge), [&] { return arguments.merge.empty(); });
-  command_line.exclude(name_of(&arguments.merge), dataroot);
-  command_line.exclude(name_of(&arguments.ablation), name_of(&arguments.compare_loop));
-  command_line.exclude(name_of(&arguments.ablation), name_of(&arguments.best));
-  return tools::runEvaluator(command_line, kTool, argc, argv, [&] {
-    SegmentationEvaluationOptions& options = arguments.options;
+  addRules(evaluator);
+  return evaluator.run(argc, argv, [&] {
+    evaluation::SegmentationEvaluationOptions& options = evaluator.options.evaluation;
     if (!command_line.givenMember(&flow.initialisation) &&
         flow.backend != radar_dot::OpticalFlowParams{}.backend)
       flow.initialisation = radar_dot::FlowStart::kNone;
@@ -177,16 +189,12 @@ int main(int argc, char** argv) {
     options.optical_flow = configuration.optical_flow;
     options.depth = configuration.depth;
     options.segmentation = configuration.dynamic_segmentation;
-    if (arguments.best) {
-      options = radar_dot::evaluation::bestOptions(options);
+    if (evaluator.options.best) {
+      options = evaluation::bestOptions(options);
       configuration.optical_flow = options.optical_flow;
       configuration.dynamic_segmentation = options.segmentation;
     }
-    try {
-      return run(arguments, command_line.parametersJson());
-    } catch (const tools::Interrupted& interrupt) {
-      fmt::print(stderr, "{}: interrupted; no results are written\n", kTool);
-      return tools::kSignalBase + interrupt.signal;
-    }
+    write(evaluator,
+          evaluator.options.merge.empty() ? evaluateAll(evaluator) : merge(evaluator.options.merge));
   });
 }

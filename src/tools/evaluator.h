@@ -7,12 +7,17 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "command_line.h"
-#include "radar_dot/common/fields.h"
+#include "radar_dot/config/sections.h"
 #include "radar_dot/dataset/tables.h"
+#include "result_files.h"
+#include "scene_loop.h"
+#include "signal_watch.h"
 
 // What the evaluators have in common.
 
@@ -53,20 +58,69 @@ inline FieldFilter onlyGroup(const std::string& group) {
   return [group](const Field& field) { return field.group == group; };
 }
 
-/// Runs `evaluate`, which returns the exit code, where the command line asks for it. What goes wrong is one
-/// line.
-template <typename Evaluate>
-int runEvaluator(CommandLine& command_line, const char* tool, int argc, char** argv,
-                 const Evaluate& evaluate) {
-  if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;
-  try {
-    return evaluate();
-  } catch (const InvalidParameter& error) {
-    return command_line.refuse(error);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", tool, error.what());
-    return EXIT_FAILURE;
+/// A tool that scores the scenes of a dataroot. Options describes what is in no section of a configuration
+/// file; what it uses of those the tool adds to the command line.
+template <typename Options>
+struct Evaluator {
+  Configuration configuration;
+  SceneInput input;
+  Options options;
+  ResultFiles files;
+  std::string name;
+  CommandLine command_line;
+
+  Evaluator(const std::string& tool, const std::string& purpose, const std::vector<std::string>& examples,
+            const std::string& version = SceneInput().version)
+      : name(tool), command_line(tool, purpose, examples) {
+    letWaitingThreadsSleep();
+    input.version = version;
+    command_line.setSections(sectionsOf(configuration));
+    command_line.add("", fieldsOf(input));
+    command_line.add("", fieldsOf(options));
   }
-}
+  // The command line refers to the members.
+  Evaluator(const Evaluator&) = delete;
+  Evaluator& operator=(const Evaluator&) = delete;
+
+  std::string dataroot() const { return nameOf(input, &input.dataroot); }
+
+  /// Runs `evaluate()` where the command line asks for it. What goes wrong is one line.
+  /// @return the exit code
+  template <typename Evaluate>
+  int run(int argc, char** argv, const Evaluate& evaluate) {
+    command_line.addOutputs("", fieldsOf(files));
+    if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;
+    try {
+      files.check();
+      evaluate();
+      return EXIT_SUCCESS;
+    } catch (const InvalidParameter& error) {
+      return command_line.refuse(error);
+    } catch (const Interrupted& interrupt) {
+      fmt::print(stderr, "{}: interrupted; no results are written\n", name);
+      return kSignalBase + interrupt.signal;
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "{}: {}\n", name, error.what());
+      return EXIT_FAILURE;
+    }
+  }
+
+  /// Evaluates all scenes by evaluate(tables, row of the scene) -> Report, see scene_loop.h.
+  template <typename Missing, typename Evaluate>
+  auto scenes(const char* what, const Evaluate& evaluate) const {
+    using Report = decltype(evaluate(std::declval<const dataset::Tables&>(), dataset::Index()));
+    const dataset::Tables tables = input.load();
+    return evaluateScenes<Report, Missing>(
+               {name.c_str(), !input.scenes.empty(), what, 1, 1}, tables,
+               [&](dataset::Index scene, std::size_t) { return evaluate(tables, scene); })
+        .front();
+  }
+
+  template <typename Report>
+  void write(const std::vector<Report>& scenes, const Report& overall) const {
+    files.write(command_line.parametersJson(), formatJson(scenes, overall), formatCsv(scenes, overall),
+                formatTable(scenes, overall));
+  }
+};
 
 }  // namespace radar_dot::tools

@@ -74,6 +74,9 @@ TEST(Fields, SetEachTypeFromText) {
       {"lit", "no", false},
       {"lanes", "4", std::int64_t{4}},
       {"houses", " 12 ", std::int64_t{12}},
+      {"lanes", "5.0", std::int64_t{5}},
+      {"houses", "1e2", std::int64_t{100}},
+      {"numbers", "1.0, 2", std::vector<int>{1, 2}},
       {"near", "2.5", 2.5},
       {"far", "3", 3.0},
       {"colour", "green", std::string("green")},
@@ -87,7 +90,7 @@ TEST(Fields, SetEachTypeFromText) {
     fields.find(name)->setFromText(text);
     EXPECT_EQ(fields.find(name)->get(), value) << name << " " << text;
   }
-  EXPECT_EQ(street.houses, 12U);
+  EXPECT_EQ(street.houses, 100U);
   EXPECT_EQ(street.colour, Colour::kGreen);
   EXPECT_FALSE(street.lit);
   fields.find("near")->set(std::int64_t{3});

@@ -11,7 +11,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
-#include "radar_dot/evaluation/noisy_depth.h"
+#include "evaluation/noisy_depth.h"
 
 namespace radar_dot::evaluation {
 namespace {

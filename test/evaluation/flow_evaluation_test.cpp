@@ -137,7 +137,7 @@ TEST_F(FixtureFlowEvaluation, TheTruthHasNoErrorFromFilesEither) {
   const FlowReport exact = evaluate("ground_truth");
   EXPECT_EQ(exact.errors.all.sum, 0.0);
   EXPECT_EQ(exact.errors.all.density(), 1.0);
-  EXPECT_TRUE(std::isnan(exact.medianSeconds()));
+  EXPECT_TRUE(exact.seconds.empty());
   FlowEvaluationOptions options;
   options.optical_flow.flow.backend = "files";
   options.pairs.flow_directory = (fixture_->dataroot() / "ground_truth" / "keyframe_flow").string();
@@ -285,12 +285,6 @@ TEST(FlowReports, FiguresStandInTableAndFiles) {
   slower.seconds = {0.030, 0.050};
   FlowReport overall = report;
   overall += slower;
-  const std::string json = formatJson({report}, overall);
-  for (const char* member :
-       {"\"epe_all\": 2.0", "\"epe_median_all\": 0.0", "\"fl_all\": 0.5", "\"density_all\": 0.5",
-        "\"epe_static\": null", "\"density_moving\": null", "\"ms_per_pair\": 30.0", "\"pairs\": 2",
-        "\"true_pixels_all\": 8", "\"compared_all\": 4"})
-    EXPECT_NE(json.find(member), std::string::npos) << member << json;
   EXPECT_EQ(formatCsv({report}, overall),
             "scene,epe_all,epe_median_all,fl_all,density_all,epe_static,epe_median_static,fl_static,"
             "density_static,epe_moving,epe_median_moving,fl_moving,density_moving,ms_per_pair,pairs,"

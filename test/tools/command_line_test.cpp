@@ -211,6 +211,27 @@ TEST(CommandLine, RulesBetweenFieldsNameOptions) {
             "evaluate_toy: --min-azimuth (2 rad) and model (see --help)\n");
 }
 
+TEST(CommandLine, RulesBetweenFieldsNameThePlacesInFiles) {
+  const test::TemporaryFolder folder;
+  const std::string first = (folder.path() / "first.yaml").string();
+  const std::string second = (folder.path() / "second.yaml").string();
+  test::writeFile(first, "ego_velocity:\n  min_azimuth: 2\n  threshold: 1\n");
+  test::writeFile(second, "ego_velocity: {max_azimuth: 1, model: planar}\n");
+  Tool tool;
+  ASSERT_EQ(tool.parse({"--config", first.c_str(), "--config", second.c_str(), "--threshold", "2"}),
+            std::nullopt);
+  const auto refusalOf = [&tool](const std::vector<std::string>& names) {
+    testing::internal::CaptureStderr();
+    tool.command_line.refuse(InvalidParameter(names, "bad"));
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(refusalOf({"min_azimuth", "max_azimuth"}),
+            "evaluate_toy: bad; set in " + first + ":2 and " + second + ":1 (see --help)\n");
+  EXPECT_EQ(refusalOf({"model"}), "evaluate_toy: bad; set in " + second + ":1 (see --help)\n")
+      << "of the section, though no option of the tool";
+  EXPECT_EQ(refusalOf({"threshold"}), "evaluate_toy: bad (see --help)\n") << "overridden";
+}
+
 TEST(CommandLine, AReportRepeatsItsRun) {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "report.json").string();

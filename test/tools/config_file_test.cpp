@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <map>
 
 #include "fixtures/field_values.h"
 #include "fixtures/files.h"
@@ -17,7 +18,7 @@ namespace {
 
 class ConfigFile : public testing::Test {
  protected:
-  std::vector<const void*> read(const std::string& yaml) {
+  std::map<const void*, std::string> read(const std::string& yaml) {
     test::writeFile(file(), yaml);
     return readConfigFile(file(), sectionsOf(configuration_));
   }
@@ -47,14 +48,14 @@ class ConfigFile : public testing::Test {
 
 TEST_F(ConfigFile, SetsEachKindOfParameter) {
   configuration_.ego_velocity.extraction.doppler_field = "v";
-  const std::vector<const void*> set = read(
+  const std::map<const void*, std::string> set = read(
       "# A vehicle\n"
       "ego_velocity:\n"
       "  threshold: 2\n"
-      "  ransac_iterations: 7\n"
+      "  ransac_iterations: 7.0\n"
       "  solver: least_squares\n"
       "  model: 'spatial'\n"
-      "  use_mask: yes\n"
+      "  use_mask: 'yes'\n"
       "  min_azimuth: -1.5\n"
       "  invalid_states: \"1, 2\"\n"
       "  doppler_field: \"\"\n"
@@ -82,8 +83,8 @@ TEST_F(ConfigFile, SetsEachKindOfParameter) {
   EXPECT_EQ(ego.radars.at("front").topic, "points");
   EXPECT_EQ(ego.radars.at("front").doppler_scale, -1.0);
   EXPECT_EQ(ego.radars.at("rear").topic, RadarEntry().topic);
-  EXPECT_NE(std::find(set.begin(), set.end(), fields.find("threshold")->address), set.end());
-  EXPECT_EQ(std::find(set.begin(), set.end(), fields.find("azimuth_std")->address), set.end());
+  EXPECT_EQ(set.at(fields.find("threshold")->address), file() + ":3");
+  EXPECT_EQ(set.count(fields.find("azimuth_std")->address), 0U);
 }
 
 TEST_F(ConfigFile, EmptyFilesSectionsAndListsAreFine) {
@@ -115,6 +116,12 @@ TEST_F(ConfigFile, RefusesValuesThatAreNotValid) {
         "3: ego_velocity/radars/front/doppler_scale is 50, must be between -10 and 10"},
        {"ego_velocity:\n  threshold: [1, 2]\n", "2: ego_velocity/threshold is '1, 2', must be a number"},
        {"ego_velocity:\n  threshold: {a: 2}\n", "2: ego_velocity/threshold is a dictionary, must be a value"},
+       {"ego_velocity:\n  ransac_iterations: 7.5\n",
+        "2: ego_velocity/ransac_iterations is '7.5', must be a whole number"},
+       {"ego_velocity:\n  doppler_field: 5\n",
+        "2: ego_velocity/doppler_field is 5 without quotes, must be a text"},
+       {"depth:\n  radar_topics: [yes, b]\n",
+        "2: depth/radar_topics is yes without quotes, must be a list of texts"},
        {"ego_velocity:\n  threshold:\n", "2: ego_velocity/threshold has no value"},
        {"ego_velocity:\n  invalid_states: [[1], 2]\n",
         "2: ego_velocity/invalid_states holds more than single values"},

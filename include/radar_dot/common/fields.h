@@ -87,8 +87,11 @@ struct Field {
   void check(const FieldValue& value) const;
   /// Checked. An integer is accepted for a real number, and 5.0 for an integer.
   void set(const FieldValue& value) const;
-  /// From text as in toText; lists with or without brackets. @throws InvalidParameter
+  /// From text as in toText, also 5.0 for an integer, and yes, on, 1 for true; lists with or without
+  /// brackets. @throws InvalidParameter
   void setFromText(const std::string& text) const;
+  /// A list, from the texts of its items. @throws InvalidParameter
+  void setFromItems(const std::vector<std::string>& items) const;
 };
 
 class FieldList;

@@ -59,6 +59,10 @@ inline constexpr int kMaskColumns = 1600;
 /// @throws DatasetError naming file, record and field.
 std::vector<InstanceMask> readInstanceMasks(Tables& tables, const std::filesystem::path& file = {});
 
+/// The masks of each scene, which must outlive them.
+std::vector<std::vector<const InstanceMask*>> byScene(const Tables& tables,
+                                                      const std::vector<InstanceMask>& masks);
+
 /// True where tables/version/nuinsseg.json exists.
 bool hasInstanceMasks(const Tables& tables);
 

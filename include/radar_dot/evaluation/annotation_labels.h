@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "radar_dot/dataset/tables.h"
+#include "radar_dot/evaluation/figures.h"
 
 namespace radar_dot::evaluation {
 
@@ -54,7 +55,7 @@ struct Confusion {
   double precision() const;  ///< NaN when nothing was predicted
   double recall() const;     ///< NaN when nothing was there
   double f1() const;         ///< NaN when there is neither
-  Confusion& operator+=(const Confusion& other);
+  void describe(Figures& figures);
 };
 
 }  // namespace radar_dot::evaluation

@@ -32,6 +32,9 @@ struct DepthEvaluationOptions {
   void describe(FieldList& fields);
 };
 
+/// @throws InvalidParameter, also for what does not go together
+void validate(const DepthEvaluationOptions& options);
+
 /// Results of one scene, or of several merged by operator+=.
 struct DepthReport {
   std::string scene;
@@ -39,7 +42,9 @@ struct DepthReport {
   std::size_t without_truth = 0;  ///< on disk, but without a lidar sweep within 0.1 s, with truth "lidar"
   DepthErrors errors;
 
-  DepthReport& operator+=(const DepthReport& other);
+  /// "mae", "rmse" (m), "coverage" (share of the true pixels) and counts within 50, 70 and 80 m;
+  /// "sigma_median" and "sigma_68" (quantiles of NormalisedErrors).
+  void describe(Figures& figures);
 };
 
 /// Evaluates the keyframe images of one scene.
@@ -52,12 +57,6 @@ DepthReport evaluateDepth(const dataset::Tables& tables, dataset::Index scene,
 /// Plain-text table; the last row is the overall result. m, coverage as a share, and two quantiles of
 /// NormalisedErrors: right sigmas give 0.674 and 1, too small ones more.
 std::string formatTable(const std::vector<DepthReport>& scenes, const DepthReport& overall);
-/// {"scenes": [{"scene", "images", "without_truth", "mae_50", "rmse_50" (m), "coverage_50" (share of the true
-/// pixels), "true_pixels_50", "compared_50", and the same of 70 and 80 m, "sigma_median", "sigma_68"
-/// (quantiles of NormalisedErrors)}], "overall": {same keys}}. Figures that do not exist are null.
-std::string formatJson(const std::vector<DepthReport>& scenes, const DepthReport& overall);
-/// The same as columns.
-std::string formatCsv(const std::vector<DepthReport>& scenes, const DepthReport& overall);
 
 }  // namespace radar_dot::evaluation
 

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
+#include "radar_dot/evaluation/figures.h"
+
 namespace radar_dot::evaluation {
 
 /// Errors of the inverse depth in units of the sigma that the estimate declares, as a histogram: quantiles of
@@ -16,10 +18,10 @@ class NormalisedErrors {
  public:
   /// @param ratio  |rho_est - rho_true| / (sigma rho_est), sigma as share; NaN does not count
   void add(double ratio);
-  NormalisedErrors& operator+=(const NormalisedErrors& other);
   std::uint64_t count() const;
   /// To 1 %, between 0.001 and 10000; NaN where nothing was added. @param share  of the ratios below, 0 to 1
   double quantile(double share) const;
+  void describe(Figures& figures);
 
  private:
   static constexpr int kPerDecade = 200;
@@ -42,6 +44,7 @@ struct DepthErrors {
     double meanAbsoluteError() const;     ///< m; NaN where nothing was compared
     double rootMeanSquaredError() const;  ///< m; NaN where nothing was compared
     double coverage() const;              ///< estimated share of the true pixels; NaN where there are none
+    void describe(Figures& figures);
   };
   std::array<Sums, kLimits.size()> within;  ///< one per limit, a pixel counting in all it is within
   NormalisedErrors normalised;              ///< of what was compared within the last limit
@@ -49,7 +52,7 @@ struct DepthErrors {
   /// Adds one picture. @param relative_std  1 sigma of the estimate's inverse depth, share of it; empty: not
   /// declared. @throws std::invalid_argument unless all are CV_32FC1 and of one size.
   void add(const cv::Mat& estimate, const cv::Mat& truth, const cv::Mat& relative_std = {});
-  DepthErrors& operator+=(const DepthErrors& other);
+  void describe(Figures& figures);
 };
 
 }  // namespace radar_dot::evaluation

@@ -15,7 +15,7 @@
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/annotation_labels.h"
 #include "radar_dot/evaluation/evaluation_inputs.h"
-#include "radar_dot/evaluation/mean.h"
+#include "radar_dot/evaluation/figures.h"
 #include "radar_dot/evaluation/pose_track.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
@@ -41,6 +41,9 @@ struct VelocityEvaluationOptions {
   void describe(FieldList& fields);
 };
 
+/// @throws InvalidParameter, also for what does not go together
+void validate(const VelocityEvaluationOptions& options);
+
 /// The paper's four estimators, planar model: B1 least squares on all returns, A1 on the static
 /// ones, B2 and A2 the same with RANSAC; and "robust": RANSAC with reweighted refinement.
 inline constexpr std::array<const char*, 5> kVariants = {"B1", "A1", "B2", "A2", "robust"};
@@ -52,7 +55,7 @@ struct ModelErrors {
   /// Squared error over the estimate's own variance, of observed axes: about 1 where the covariance is
   /// right, more where it is too small or the ground truth has errors of its own.
   Mean normalised_vx, normalised_vy, normalised_yaw_rate;
-  ModelErrors& operator+=(const ModelErrors& other);
+  void describe(Figures& figures);
 };
 
 /// How far a radar's mount is turned from its calibration, as the true motion shows it. With the
@@ -93,7 +96,7 @@ struct VelocityReport {
   std::map<std::string, MountError> mounts;  ///< by channel
   Confusion dynamic;                         ///< every range
   Confusion dynamic_70m;                     ///< returns within 70 m of the base frame's origin
-  VelocityReport& operator+=(const VelocityReport& other);
+  void describe(Figures& figures);
 };
 
 /// None of the radar files a scene needs is on disk.
@@ -110,5 +113,12 @@ class NoRadarFiles : public dataset::DatasetError {
 ///         age that is invalid.
 VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, dataset::Index scene,
                                    const VelocityEvaluationOptions& options = {});
+
+/// Plain-text tables for a terminal; the last row is the overall result.
+std::string formatTable(const std::vector<VelocityReport>& scenes, const VelocityReport& overall);
+/// Of the form of figures.h: "mae", "models", "causal", "trajectory", "dynamic" and others are objects.
+std::string formatJson(const std::vector<VelocityReport>& scenes, const VelocityReport& overall);
+/// The columns of the tables, without the mounts.
+std::string formatCsv(const std::vector<VelocityReport>& scenes, const VelocityReport& overall);
 
 }  // namespace radar_dot::evaluation

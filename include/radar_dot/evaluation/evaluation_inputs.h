@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "radar_dot/common/fields.h"
+#include "radar_dot/vision/depth_estimator.h"
+#include "radar_dot/vision/optical_flow.h"
 
 // What several evaluators read, each option declared once.
 
@@ -17,6 +19,11 @@ namespace radar_dot::evaluation {
 enum class FileSource { kGroundTruth, kNoisy, kFiles };
 /// None: the name of a backend.
 std::optional<FileSource> fileSourceOf(const std::string& backend);
+
+/// Makes a backend once, so that one that cannot be made is refused before the data are read.
+/// @throws std::invalid_argument, as makeDepthEstimator and makeOpticalFlow
+void checkBackend(const DepthParams& params);
+void checkBackend(const OpticalFlowParams& params);
 
 /// Which images make a pair.
 enum class ImagePairs { kKeyframes, kNext };

@@ -30,6 +30,9 @@ struct FlowEvaluationOptions {
   void describe(FieldList& fields);
 };
 
+/// @throws InvalidParameter, also for what does not go together
+void validate(const FlowEvaluationOptions& options);
+
 /// Results of one scene, or of several merged by operator+=.
 struct FlowReport {
   std::string scene;
@@ -39,8 +42,10 @@ struct FlowReport {
   /// does not. Empty for flow "ground_truth" and "files".
   std::vector<double> seconds;
 
-  double medianSeconds() const;  ///< per pair; NaN where there are none
-  FlowReport& operator+=(const FlowReport& other);
+  /// "epe", "epe_median" (px of the full image), "fl" (KITTI's outliers, a share of the pixels with flow),
+  /// "density" (their share of the pixels with truth) and counts of all, static and moving pixels;
+  /// "ms_per_pair" (median).
+  void describe(Figures& figures);
 };
 
 /// Evaluates the pairs of one scene of a simulated dataroot. Pixels that leave the second image or are
@@ -65,12 +70,5 @@ FlowReport evaluateFlow(const FlowPairFiles& files, const OpticalFlowParams& par
 
 /// Plain-text table; the last row is the overall result. Errors in px of the full image, shares in %.
 std::string formatTable(const std::vector<FlowReport>& scenes, const FlowReport& overall);
-/// {"scenes": [{"scene", "epe_all", "epe_median_all" (px of the full image), "fl_all" (KITTI's outliers, a
-/// share of the pixels with flow), "density_all" (their share of the pixels with truth), the same of
-/// "static" and "moving" pixels, "ms_per_pair" (median), "pairs", "true_pixels_all", "compared_all", and the
-/// same of the others}], "overall": {same keys}}. Figures that do not exist are null.
-std::string formatJson(const std::vector<FlowReport>& scenes, const FlowReport& overall);
-/// The same as columns.
-std::string formatCsv(const std::vector<FlowReport>& scenes, const FlowReport& overall);
 
 }  // namespace radar_dot::evaluation

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
+#include "radar_dot/evaluation/figures.h"
 #include "radar_dot/vision/optical_flow.h"
 
 namespace radar_dot::evaluation {
@@ -34,7 +35,7 @@ struct FlowErrors {
     /// One pixel that was compared; `true_pixels` is the caller's. @param error  px  @param length  px, of
     /// the true flow
     void add(double error, double length);
-    Group& operator+=(const Group& other);
+    void describe(Figures& figures);
 
    private:
     // Of equal ratio, because a median is asked for in hundredths of a pixel as well as in tens, and pixels
@@ -56,7 +57,7 @@ struct FlowErrors {
   /// @param image   px, size of the full image
   /// @throws std::invalid_argument for other types or sizes, or an image without pixels.
   void add(const FlowField& estimate, const FlowField& truth, const cv::Mat& movers, const cv::Size& image);
-  FlowErrors& operator+=(const FlowErrors& other);
+  void describe(Figures& figures);
 };
 
 }  // namespace radar_dot::evaluation

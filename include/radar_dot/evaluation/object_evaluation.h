@@ -12,7 +12,7 @@
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/ego_velocity_evaluation.h"
 #include "radar_dot/evaluation/evaluation_inputs.h"
-#include "radar_dot/evaluation/mean.h"
+#include "radar_dot/evaluation/figures.h"
 #include "radar_dot/radar/returns_over_ground.h"
 
 namespace radar_dot::evaluation {
@@ -48,6 +48,9 @@ struct ObjectEvaluationOptions {
   void describe(FieldList& fields);
 };
 
+/// @throws InvalidParameter, also for what does not go together
+void validate(const ObjectEvaluationOptions& options);
+
 /// The kinds of movers, by category of their box.
 enum class MoverKind : std::uint8_t { kVehicle, kCycle, kPedestrian, kOther };
 inline constexpr std::array<const char*, 4> kMoverKinds = {"vehicle", "cycle", "pedestrian", "other"};
@@ -60,10 +63,7 @@ struct ObjectErrors {
   /// Squared Mahalanobis distance of the difference of the velocities: 2 in the mean where the covariance is
   /// right.
   Mean normalised_velocity;
-  ObjectErrors& operator+=(const ObjectErrors& other);
 };
-double meanAbsolute(const std::vector<double>& values);    ///< NaN where there are none
-double medianAbsolute(const std::vector<double>& values);  ///< NaN where there are none
 
 /// Counts of one kind of movers, over keyframes.
 struct MoverCounts {
@@ -75,10 +75,7 @@ struct MoverCounts {
   ObjectErrors errors;
   double recall() const;      ///< matched / movers
   double seenRecall() const;  ///< matched / (movers - unseen)
-  /// Share of the movers with a return that moves: what a tracker of moving returns can find at most, but for
-  /// those it carries over gaps.
-  double movingShare() const;
-  MoverCounts& operator+=(const MoverCounts& other);
+  void describe(Figures& figures);
 };
 
 /// Results of one scene, or of several merged by operator+=.
@@ -96,7 +93,7 @@ struct ObjectReport {
 
   MoverCounts all() const;   ///< all kinds together
   double precision() const;  ///< true_tracks / (tracks - unknown_tracks)
-  ObjectReport& operator+=(const ObjectReport& other);
+  void describe(Figures& figures);
 };
 
 /// Follows the moving objects of a scene with radar, and with saved masks where there are some, and compares
@@ -117,11 +114,6 @@ ObjectReport evaluateObjects(const dataset::Tables& tables, dataset::Index scene
 
 /// Plain-text table; the last row is the overall result.
 std::string formatTable(const std::vector<ObjectReport>& scenes, const ObjectReport& overall);
-/// {"scenes": [{"scene", "recall", "precision", ...}], "overall": {same keys}}. Figures that do not exist are
-/// null.
-std::string formatJson(const std::vector<ObjectReport>& scenes, const ObjectReport& overall);
-/// The same as columns.
-std::string formatCsv(const std::vector<ObjectReport>& scenes, const ObjectReport& overall);
 
 }  // namespace radar_dot::evaluation
 

@@ -13,7 +13,7 @@
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/annotation_labels.h"
 #include "radar_dot/evaluation/evaluation_inputs.h"
-#include "radar_dot/evaluation/mean.h"
+#include "radar_dot/evaluation/figures.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/vision/depth_estimator.h"
@@ -67,7 +67,8 @@ struct SegmentationReport {
 
   double iou() const;                 ///< TP / (TP + FP + FN); NaN when there is neither mask nor truth
   double falsePositiveShare() const;  ///< FP / (FP + TN): of the pixels that do not move
-  SegmentationReport& operator+=(const SegmentationReport& other);
+  /// "velocity_error" is m/s, "seconds" and "velocity_error_sum" are sums.
+  void describe(Figures& figures);
 };
 
 /// None of the image pairs a scene needs is on disk.
@@ -87,14 +88,6 @@ SegmentationReport evaluateSegmentation(const dataset::Tables& tables, dataset::
 
 /// Plain-text table in the form of the paper's Table I; the last row is the overall result.
 std::string formatTable(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
-/// {"scenes": [{"scene", "iou", "precision", "recall", "f1", "false_positive_share", "velocity_error" (m/s),
-/// "frames", "without_motion", "true_positives", "false_positives", "false_negatives", "true_negatives",
-/// "velocity_error_count", "seconds", "velocity_error_sum"}], "overall": {same keys}}. Figures that do not
-/// exist are null.
-std::string formatJson(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
-/// The same as columns.
-std::string formatCsv(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
-
 /// Reads files of formatJson and gives their scenes in order of their names.
 /// @throws std::runtime_error naming file and field for what is no such file, and naming both files for a
 ///         scene that stands in two of them.

@@ -51,54 +51,38 @@ std::string textOf(const XmlRpcValue& value) {
                          fmt::format("{} is {}, must be {}", field.name, textOf(value), field.typeText()));
 }
 
-std::vector<int> wholeNumbers(const Field& field, const XmlRpcValue& array) {
-  std::vector<int> list;
+/// The texts of the items. Those of a list of texts must be texts: YAML has made something else of others.
+std::vector<std::string> itemsOf(const Field& field, const XmlRpcValue& array) {
+  std::vector<std::string> items;
   for (int i = 0; i < array.size(); ++i) {
-    if (array[i].getType() != XmlRpcValue::TypeInt) refuseType(field, array);
-    list.push_back(static_cast<const int&>(array[i]));
+    const bool is_text = array[i].getType() == XmlRpcValue::TypeString;
+    if (!is_text && field.type == FieldType::kTextList) refuseType(field, array);
+    items.push_back(is_text ? static_cast<const std::string&>(array[i]) : textOf(array[i]));
   }
-  return list;
-}
-
-std::vector<std::string> texts(const Field& field, const XmlRpcValue& array) {
-  std::vector<std::string> list;
-  for (int i = 0; i < array.size(); ++i) {
-    if (array[i].getType() != XmlRpcValue::TypeString) refuseType(field, array);
-    list.push_back(static_cast<const std::string&>(array[i]));
-  }
-  return list;
-}
-
-void setFromTextValue(const Field& field, const std::string& text) {
-  switch (field.type) {
-    // YAML makes a text of 1e-3, and roslaunch of inf.
-    case FieldType::kDouble:
-    case FieldType::kIntList:
-    case FieldType::kTextList: return field.setFromText(text);
-    default: return field.set(text);
-  }
+  return items;
 }
 
 void setFrom(const XmlRpcValue& value, const Field& field) {
-  const bool is_text = field.type == FieldType::kText || field.type == FieldType::kEnum;
+  const bool is_text =
+      field.type == FieldType::kText || field.type == FieldType::kEnum || field.type == FieldType::kTextList;
+  const bool is_flag = field.type == FieldType::kBool;
   switch (value.getType()) {
     case XmlRpcValue::TypeBoolean:
-      if (field.type != FieldType::kBool) refuseType(field, value);
-      return field.set(static_cast<const bool&>(value));
+      if (is_flag) return field.set(static_cast<const bool&>(value));
+      break;
     case XmlRpcValue::TypeInt:
-      if (is_text || field.type == FieldType::kBool || field.type == FieldType::kTextList)
-        refuseType(field, value);
-      return field.set(static_cast<std::int64_t>(static_cast<const int&>(value)));
+      if (is_flag) return field.setFromText(textOf(value));
+      if (!is_text) return field.set(static_cast<std::int64_t>(static_cast<const int&>(value)));
+      break;
     case XmlRpcValue::TypeDouble:
-      if (field.type != FieldType::kInt && field.type != FieldType::kDouble) refuseType(field, value);
-      return field.set(static_cast<const double&>(value));
-    case XmlRpcValue::TypeString: return setFromTextValue(field, static_cast<const std::string&>(value));
-    case XmlRpcValue::TypeArray:
-      if (field.type == FieldType::kIntList) return field.set(wholeNumbers(field, value));
-      if (field.type == FieldType::kTextList) return field.set(texts(field, value));
-      refuseType(field, value);
-    default: refuseType(field, value);
+      if (!is_flag && !is_text) return field.set(static_cast<const double&>(value));
+      break;
+    // What was quoted, and what roslaunch makes a text of: 1e-3, inf.
+    case XmlRpcValue::TypeString: return field.setFromText(static_cast<const std::string&>(value));
+    case XmlRpcValue::TypeArray: return field.setFromItems(itemsOf(field, value));
+    default: break;
   }
+  refuseType(field, value);
 }
 
 std::string defaultText(const Field& field) {
