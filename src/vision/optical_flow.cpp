@@ -41,8 +41,6 @@ void registerOpticalFlow(const std::string& backend, OpticalFlowFactory factory)
   registry().add(backend, std::move(factory));
 }
 
-std::vector<std::string> opticalFlowBackends() { return registry().names(); }
-
 void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double absolute, double relative) {
   requireFlow(forward.flow, "forward flow");
   requireFlow(backward, "backward flow");

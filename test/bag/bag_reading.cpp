@@ -29,8 +29,6 @@ RawPcd readRawPcd(const std::filesystem::path& file) {
       for (RawPcd::Field& field : pcd.fields) words >> field.size;
     } else if (keyword == "TYPE") {
       for (RawPcd::Field& field : pcd.fields) words >> field.type;
-    } else if (keyword == "COUNT") {
-      for (RawPcd::Field& field : pcd.fields) words >> field.count;
     } else if (keyword == "POINTS") {
       words >> pcd.points;
     } else if (keyword == "DATA") {
@@ -39,7 +37,7 @@ RawPcd readRawPcd(const std::filesystem::path& file) {
   }
   for (RawPcd::Field& field : pcd.fields) {
     field.offset = pcd.record;
-    pcd.record += field.size * field.count;
+    pcd.record += field.size;
   }
   const auto start = static_cast<std::size_t>(stream.tellg());
   if (bytes.size() < start + pcd.points * pcd.record) throw std::runtime_error(file.string() + ": too short");

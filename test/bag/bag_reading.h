@@ -46,7 +46,6 @@ struct RawPcd {
     std::string name;
     char type = 'F';
     std::size_t size = 0;
-    std::size_t count = 0;
     std::size_t offset = 0;  ///< bytes from the start of a record
   };
   std::vector<Field> fields;

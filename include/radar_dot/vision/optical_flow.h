@@ -117,8 +117,6 @@ std::unique_ptr<OpticalFlow> makeOpticalFlow(const OpticalFlowParams& params = {
 /// Adds a backend, or replaces one, for every later makeOpticalFlow. Thread-safe.
 using OpticalFlowFactory = std::function<std::unique_ptr<OpticalFlow>(const OpticalFlowParams&)>;
 void registerOpticalFlow(const std::string& backend, OpticalFlowFactory factory);
-/// Names of the backends at hand, sorted.
-std::vector<std::string> opticalFlowBackends();
 
 /// The flow back of a field that was computed with forward_backward, with its own gap.
 /// @throws std::invalid_argument where the field has none
