@@ -74,8 +74,9 @@ std::vector<AblationStep> ablationSteps(const SegmentationEvaluationOptions& opt
   add("+ uncertainty", "uncertainty");
   segmentation.refine = segmentation.refine_ground = true;
   add("+ refinement", "refinement");
-  segmentation.motion.radar.dynamic_gain =
-      given.motion.radar.dynamic_gain > 0.0 ? given.motion.radar.dynamic_gain : MotionParams{}.radar.dynamic_gain;
+  segmentation.motion.radar.dynamic_gain = given.motion.radar.dynamic_gain > 0.0
+                                               ? given.motion.radar.dynamic_gain
+                                               : MotionParams{}.radar.dynamic_gain;
   segmentation.motion.radar.static_gain = given.motion.radar.static_gain;
   add("+ radar evidence", "radar_evidence");
   if (fileSourceOf(options.optical_flow.flow.backend))

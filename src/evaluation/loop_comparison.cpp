@@ -50,8 +50,8 @@ void add(std::vector<LoopResult>& sums, const LoopResult& result) {
 
 std::vector<SegmentationEvaluationOptions> loopVariants(const SegmentationEvaluationOptions& options) {
   std::vector<SegmentationEvaluationOptions> variants;
-  const double gain =
-      isRadarToMask(options) ? options.segmentation.motion.radar.dynamic_gain : MotionParams{}.radar.dynamic_gain;
+  const double gain = isRadarToMask(options) ? options.segmentation.motion.radar.dynamic_gain
+                                             : MotionParams{}.radar.dynamic_gain;
   for (const bool radar_to_mask : {false, true}) {
     for (const bool mask_to_velocity : {false, true}) {
       SegmentationEvaluationOptions variant = options;

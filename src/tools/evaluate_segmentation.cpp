@@ -111,8 +111,8 @@ Results evaluateAll(const Arguments& arguments) {
   }
   if (!arguments.compare_loop) return results;
   for (std::size_t i = 0; i < variants.size(); ++i) {
-    results.loop.push_back(
-        {variants[i].mask_to_velocity, variants[i].segmentation.motion.radar.dynamic_gain != 0.0, sumOf(reports[i])});
+    results.loop.push_back({variants[i].mask_to_velocity,
+                            variants[i].segmentation.motion.radar.dynamic_gain != 0.0, sumOf(reports[i])});
   }
   return results;
 }

@@ -40,7 +40,8 @@ TEST(LoopComparison, VariantsAreTheFourCombinations) {
   ASSERT_EQ(variants.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(variants[i].mask_to_velocity, i % 2 == 1);
-    EXPECT_EQ(variants[i].segmentation.motion.radar.dynamic_gain, i >= 2 ? MotionParams{}.radar.dynamic_gain : 0.0);
+    EXPECT_EQ(variants[i].segmentation.motion.radar.dynamic_gain,
+              i >= 2 ? MotionParams{}.radar.dynamic_gain : 0.0);
     EXPECT_EQ(variants[i].pairs.camera, "CAM_BACK");
     EXPECT_EQ(variants[i].mask_directory, i == 0 ? "masks" : "");
   }

@@ -44,8 +44,8 @@ class SegmentationEvaluation : public ::testing::Test {
     return options;
   }
 
-  /// True masks, and the paper's estimator without consensus or filter: many movers spoil it, unless it is told
-  /// which.
+  /// True masks, and the paper's estimator without consensus or filter: many movers spoil it, unless it is
+  /// told which.
   static SegmentationEvaluationOptions plainVelocity() {
     SegmentationEvaluationOptions options = everythingTrue();
     options.velocity = VelocitySource::kRadar;

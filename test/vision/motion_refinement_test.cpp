@@ -44,7 +44,8 @@ MotionInput street(const Eigen::Isometry3d& true_motion, const GroundPlane& grou
   MotionInput input;
   input.camera = kCamera;
   input.pixel_scale = 2.0;
-  input.depth = groundDepth(kCamera, ground.T_base_from_camera, ground.params.height, ground.params.pitch, 30.0);
+  input.depth =
+      groundDepth(kCamera, ground.T_base_from_camera, ground.params.height, ground.params.pitch, 30.0);
   cv::patchNaNs(input.depth, 30.0);
   input.flow = expectedFlow(kCamera, true_motion, input.depth);
   return input;
@@ -242,7 +243,8 @@ TEST(RefineMotion, TooLittleChangesNothing) {
   EXPECT_TRUE(refined.T_current_from_previous.isApprox(drive()));
   RefinementParams params;
   params.stride = 0;
-  test::expectRefusal<std::invalid_argument>([&] { refineMotion(input, std::nullopt, {}, params); }, {"stride"});
+  test::expectRefusal<std::invalid_argument>([&] { refineMotion(input, std::nullopt, {}, params); },
+                                             {"stride"});
 }
 
 // A turn of the vehicle about its base moves the camera, which sits ahead of it, sideways.

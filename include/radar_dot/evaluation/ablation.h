@@ -29,7 +29,8 @@ inline constexpr double kMemory = 0.4;
 /// its noise; the motion refined by the image; radar returns that move the threshold, with the gains of
 /// `options`, or their defaults where those are 0; the previous pair; and what the mask before said. The last
 /// two are left out for flow that is no backend's. Everything else is as in `options`. Masks are
-/// saved in a folder of each step: "paper", "uncertainty", "refinement", "radar_evidence", "look_back", "memory".
+/// saved in a folder of each step: "paper", "uncertainty", "refinement", "radar_evidence", "look_back",
+/// "memory".
 std::vector<AblationStep> ablationSteps(const SegmentationEvaluationOptions& options);
 
 /// Those of the last step, but masks are saved where `options` say so.
