@@ -112,7 +112,8 @@ TEST(Sections, RulesBetweenFieldsNameThoseFields) {
   flow.pair_interval = flow.max_pair_gap;
   EXPECT_EQ(refusedNames(flow), (std::vector<std::string>{"pair_interval", "max_pair_gap"}));
   DynamicSegmentationConfig segmentation;
-  segmentation.motion.uncertainty.noise.flow_std = segmentation.motion.uncertainty.noise.flow_std_relative = 0.0;
+  segmentation.motion.uncertainty.noise.flow_std = segmentation.motion.uncertainty.noise.flow_std_relative =
+      0.0;
   EXPECT_EQ(refusedNames(segmentation), (std::vector<std::string>{"flow_std", "flow_std_relative"}));
   MovingObjectsConfig objects;
   objects.tracker.min_coast = 2.0;

@@ -12,6 +12,7 @@
 #include "evaluation/segmentation_results.h"
 #include "evaluation/simulated_dataroot.h"
 #include "fixtures/refusal.h"
+#include "radar_dot/common/stamps.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -43,12 +44,14 @@ class SegmentationEvaluation : public ::testing::Test {
     return options;
   }
 
-  /// True masks, and the paper's estimator without consensus: many movers spoil it, unless it is told which.
+  /// True masks, and the paper's estimator without consensus or filter: many movers spoil it, unless it is
+  /// told which.
   static SegmentationEvaluationOptions plainVelocity() {
     SegmentationEvaluationOptions options = everythingTrue();
     options.velocity = VelocitySource::kRadar;
     options.ego_velocity.estimator.solver = Solver::kLeastSquares;
     options.ego_velocity.estimator.model = MotionModel::kPlanar;
+    options.ego_velocity.filter = false;
     return options;
   }
 

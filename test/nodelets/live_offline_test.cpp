@@ -13,6 +13,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <boost/make_shared.hpp>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -20,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/scene_depths.h"
 #include "evaluation/scene_motion.h"
 #include "evaluation/segmentation_images.h"
 #include "fixtures/files.h"
@@ -143,7 +145,9 @@ class LiveDrive {
         if (message.getTopic() == "/tf_static") start(*transforms);
       } else if (const auto cloud = message.instantiate<PointCloud2>()) {
         const auto radar = radars_.find(message.getTopic());
-        if (radar != radars_.end()) radar->second.publish(cloud);
+        if (radar == radars_.end()) continue;
+        awaitSweeps(std::nextafter(cloud->header.stamp.toSec(), 0.0));  // queues are short
+        radar->second.publish(cloud);
       } else if (const auto camera = message.instantiate<sensor_msgs::CameraInfo>()) {
         if (message.getTopic() == "/cam_front/camera_info") camera_.publish(camera);
       } else if (const auto image = message.instantiate<sensor_msgs::CompressedImage>()) {

@@ -72,15 +72,20 @@ TEST(StreamMonitor, SurvivesStampsDecadesAway) {
 }
 
 TEST(RadarMonitor, NamesARadarWhoseScansNoSweepUses) {
-  RadarMonitor monitor("/radar", {}, 0.1);
+  RadarMonitor monitor("radar", {}, 0.1);
+  monitor.setTopic("/radar");
   diagnostic_updater::DiagnosticStatusWrapper status;
+  double seconds = 100.0;
   const auto scans = [&](int used) {
     for (int i = 0; i < 13; ++i) {
-      const ros::Time now(100.0 + i / 13.0);
-      monitor.scan(now, now, "front", {});
+      std_msgs::Header header;
+      header.stamp.fromSec(seconds += 1.0 / 13.0);
+      header.frame_id = "front";
+      monitor.accept(header, header.stamp);
+      monitor.scan(header.frame_id, {});
       if (i < used) monitor.used();
     }
-    monitor.report(ros::Time(101.0), status);
+    monitor.report(ros::Time(seconds), status);
   };
   scans(12);
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::OK) << "one may wait for its sweep";

@@ -21,8 +21,6 @@ namespace {
 using sensor_msgs::CameraInfo;
 using sensor_msgs::Image;
 
-constexpr double kPatience = 10.0;  // s
-
 // What was called of a nodelet, and of that what came before its set-up was complete.
 struct Calls {
   std::atomic<bool> complete{false};
@@ -73,12 +71,10 @@ std::atomic<bool> SlowNodelet::wants_extra{false};
 class StreamNodeletTest : public ::testing::Test {
  protected:
   bool diagnosed(const std::string& name, int level, const std::string& text) const {
-    return waitUntil(
-        [&] {
-          const Diagnostics::Status status = diagnostics_.latest(name);
-          return status.level == level && status.message.find(text) != std::string::npos;
-        },
-        kPatience);
+    return waitUntil([&] {
+      const Diagnostics::Status status = diagnostics_.latest(name);
+      return status.level == level && status.message.find(text) != std::string::npos;
+    });
   }
 
   ros::NodeHandle handle_;
@@ -110,8 +106,7 @@ class SlowNodeletTest : public StreamNodeletTest {
 
 TEST_F(SlowNodeletTest, NothingIsServedBeforeTheSetUpIsComplete) {
   load(false);
-  EXPECT_TRUE(
-      waitUntil([this] { return calls_.messages > 0 && calls_.ticks > 0 && calls_.reports > 0; }, kPatience))
+  EXPECT_TRUE(waitUntil([this] { return calls_.messages > 0 && calls_.ticks > 0 && calls_.reports > 0; }))
       << calls_.messages << " messages, " << calls_.ticks << " ticks, " << calls_.reports << " reports";
   EXPECT_EQ(calls_.early, 0);
   EXPECT_TRUE(diagnosed("slow: slow", diagnostic_msgs::DiagnosticStatus::OK, "working"));
@@ -119,17 +114,17 @@ TEST_F(SlowNodeletTest, NothingIsServedBeforeTheSetUpIsComplete) {
 
 TEST_F(SlowNodeletTest, AnOptionalInputIsSubscribedWhileItIsWanted) {
   load(false);
-  ASSERT_TRUE(waitUntil([this] { return calls_.messages > 0; }, kPatience));
+  ASSERT_TRUE(waitUntil([this] { return calls_.messages > 0; }));
   EXPECT_EQ(calls_.extras, 0);
   EXPECT_EQ(inputs_[1].getNumSubscribers(), 0U);
   SlowNodelet::wants_extra = true;
-  EXPECT_TRUE(waitUntil([this] { return calls_.extras > 0; }, kPatience));
+  EXPECT_TRUE(waitUntil([this] { return calls_.extras > 0; }));
   SlowNodelet::wants_extra = false;
-  EXPECT_TRUE(waitUntil([this] { return inputs_[1].getNumSubscribers() == 0; }, kPatience));
+  EXPECT_TRUE(waitUntil([this] { return inputs_[1].getNumSubscribers() == 0; }));
   EXPECT_EQ(calls_.extras, 0) << "what came of it is forgotten";
   EXPECT_EQ(inputs_[0].getNumSubscribers(), 1U);
   output_.reset();
-  EXPECT_TRUE(waitUntil([this] { return inputs_[0].getNumSubscribers() == 0; }, kPatience));
+  EXPECT_TRUE(waitUntil([this] { return inputs_[0].getNumSubscribers() == 0; }));
   EXPECT_TRUE(diagnosed("slow: slow", diagnostic_msgs::DiagnosticStatus::OK, "idle: no subscribers"));
 }
 
@@ -148,12 +143,10 @@ TEST_F(StreamNodeletTest, DepthServesASubscriberThatWaited) {
   ros::Publisher images = handle_.advertise<Image>("image", 1);
   nodelet::Loader loader(false);
   ASSERT_TRUE(loader.load("/depth", "radar_dot/Depth", {}, {}));
-  EXPECT_TRUE(waitUntil(
-      [&] {
-        images.publish(VisionWorld::image(ros::Time::now(), 0.0));
-        return depths.count() > 0;
-      },
-      kPatience));
+  EXPECT_TRUE(waitUntil([&] {
+    images.publish(VisionWorld::image(ros::Time::now(), 0.0));
+    return depths.count() > 0;
+  }));
 }
 
 TEST(Extrinsics, NodeletsOfAProcessShareOneBuffer) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/make_shared.hpp>
+#include <boost/weak_ptr.hpp>
 #include <cmath>
 #include <cstdint>
 

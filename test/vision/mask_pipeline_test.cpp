@@ -55,11 +55,11 @@ class Drive {
   }
 };
 
-/// Image 0 to 1, the flow back, then image 1 to 2, whose patch has no flow of its own.
+/// Image 0 to 1, whose patch moves, the flow back, then image 1 to 2, whose patch has no flow of its own.
 MaskOutcome secondOf(
-    MaskPipeline& pipeline, const std::function<void()>& between = [] {}) {
+    MaskPipeline& pipeline, float moves_back = 10.0F, const std::function<void()>& between = [] {}) {
   pipeline.process(Drive::pair(0, 1, 10.0F));
-  pipeline.addBackward(kStep, 0.0, Drive::pair(1, 0, 10.0F).flow);
+  pipeline.addBackward(kStep, 0.0, Drive::pair(1, 0, moves_back).flow);
   between();
   MaskPair next = Drive::pair(1, 2);
   next.flow.flow(kPatch).setTo(cv::Scalar::all(std::numeric_limits<double>::quiet_NaN()));

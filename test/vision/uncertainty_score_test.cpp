@@ -159,7 +159,8 @@ class StaticWorld {
         const Eigen::Isometry3d motion = smallMotion(motion_covariance) * someMotion();
         const double true_rho = (1.0 + params_.uncertainty.noise.depth_std * normal()) / depth;
         Eigen::Vector2d flow = pixelOf(motion, u, v, 1.0 / true_rho) - Eigen::Vector2d(u, v);
-        const double sigma = params_.uncertainty.noise.flow_std + params_.uncertainty.noise.flow_std_relative * flow.norm();
+        const double sigma =
+            params_.uncertainty.noise.flow_std + params_.uncertainty.noise.flow_std_relative * flow.norm();
         flow += sigma * Eigen::Vector2d(normal(), normal());
         input.depth.at<float>(v, u) = static_cast<float>(depth);
         input.flow.at<cv::Vec2f>(v, u) =
@@ -355,7 +356,8 @@ TEST(UncertaintyScore, ParametersThatMakeNoSenseAreRefused) {
     change(params);
     test::expectRefusal<std::invalid_argument>([&] { validate(params); }, {name});
   };
-  refused([](MotionParams& p) { p.uncertainty.noise.flow_std = p.uncertainty.noise.flow_std_relative = 0.0; }, "flow_std");
+  refused([](MotionParams& p) { p.uncertainty.noise.flow_std = p.uncertainty.noise.flow_std_relative = 0.0; },
+          "flow_std");
   refused([](MotionParams& p) { p.uncertainty.hysteresis_ratio = 0.5; }, "hysteresis_ratio");
   MotionInput input = wall();
   input.fb_error = cv::Mat(4, 4, CV_32FC1);

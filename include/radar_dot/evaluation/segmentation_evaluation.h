@@ -43,7 +43,7 @@ struct SegmentationEvaluationOptions {
   double min_true_residual = 0.0;
   /// The paper's loop from image to radar: returns that lie in the latest mask of the scene are known to move
   /// in the velocity estimates of the pairs after it. They are brought from their scan to the time of the
-  /// mask's image with the velocity estimated last.
+  /// mask's image by the velocities since.
   bool mask_to_velocity = false;
   std::string mask_directory;
 
