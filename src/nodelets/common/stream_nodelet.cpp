@@ -27,8 +27,13 @@ void StreamNodelet::onInit() {
 }
 
 void StreamNodelet::start() {
+  // Nodelets start side by side, but what plugins and parameters are read with is not made for that.
+  static std::mutex one_at_a_time;
   started_ = true;
-  complete_ = attempt([this] { setUpAll(); });
+  {
+    const std::lock_guard<std::mutex> lock(one_at_a_time);
+    complete_ = attempt([this] { setUpAll(); });
+  }
   if (!diagnostics_) return;
   // Wall time: the updater's own timing stops when a bag starts again.
   diagnostics_timer_ =
