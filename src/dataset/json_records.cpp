@@ -139,6 +139,8 @@ void readRecords(const std::filesystem::path& file, const std::string& label, co
   };
   if (!skipTo('[')) {
     if (input.Peek() == '\0') fail(kParseErrorDocumentEmpty, input.Tell());
+    if (std::string_view("{\"-0123456789tfn").find(input.Peek()) == std::string_view::npos)
+      fail(kParseErrorValueInvalid, input.Tell());
     throw DatasetError(fmt::format("{}: must be a list of objects", label));
   }
   Reader reader;

@@ -36,7 +36,9 @@ class DynamicSegmentationNodelet : public ConfiguredNodelet<DynamicSegmentationC
   void setUpOutputs();
   bool hasAudience() const override;
   void apply(const DynamicSegmentationConfig& config) override;
-  void tick() override { processQueue(); }
+  void tick() override {
+    guard(*flow_input_, [this] { processQueue(); });
+  }
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 

@@ -68,7 +68,7 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
   } else if (masks_since_report_ > 0 && valid_share_ == 0.0) {
     status.summary(DiagnosticStatus::WARN, "no pixel has both depth and flow");
   } else {
-    status.summaryf(DiagnosticStatus::OK, "%zu masks in the last second", masks_since_report_);
+    status.summaryf(DiagnosticStatus::OK, "%zu masks since the last report", masks_since_report_);
   }
   if (without_next_depth_since_report_ > 0) {
     status.mergeSummaryf(DiagnosticStatus::WARN, "%zu masks without the depth of the second image",

@@ -86,7 +86,8 @@ void EgoVelocityNodelet::setUpRadars() {
     RadarMonitor* monitor = listenAs<sensor_msgs::PointCloud2>(
         "radar " + name, std::make_unique<RadarMonitor>(name, radar_expectation_, config_.sweep.window),
         entry.topic, static_cast<std::uint32_t>(config_.queue_size),
-        [this, i = radars_.size()](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(i, cloud); });
+        [this, i = radars_.size()](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(i, cloud); }, {},
+        Stamps::kByBody);
     radars_.push_back(std::make_unique<Radar>(Radar{name, entry, *monitor, DopplerExtractor()}));
     radars_.back()->entry.topic = getNodeHandle().resolveName(entry.topic);
   }
@@ -135,6 +136,8 @@ void EgoVelocityNodelet::onCloud(std::size_t index, const sensor_msgs::PointClou
   reading->cloud = cloud;
   reading->view = viewOf(*cloud, reading->fields);
   if (reading->view.size() > 0) reading->counts = radar.extractor.extract(reading->view, reading->returns);
+
+  acceptStamp(radar.monitor, cloud->header);
 
   const ExtractionCounts& counts = reading->counts;
   // One point of NaN is how some radars say "nothing seen".

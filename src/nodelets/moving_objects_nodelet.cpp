@@ -168,6 +168,7 @@ void MovingObjectsNodelet::processQueue() {
       continue;
     }
     ++scans_since_report_;
+    noteOutput();
     newest_ = std::max(newest_, scan.stamp);
     if (scan.complete()) continue;
     ++incomplete_since_report_;
@@ -271,9 +272,9 @@ void MovingObjectsNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& s
     status.summaryf(scans_since_report_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
                     "%zu scans or masks left out: %s", dropped_since_report_, drop_reason_.c_str());
   } else if (scans_since_report_ == 0 && withoutOutput() > silentAfter()) {
-    status.summary(DiagnosticStatus::ERROR, "no scan in the last second");
+    status.summary(DiagnosticStatus::ERROR, "no scan since the last report");
   } else {
-    status.summaryf(DiagnosticStatus::OK, "%zu objects, %zu scans in the last second", objects_,
+    status.summaryf(DiagnosticStatus::OK, "%zu objects, %zu scans since the last report", objects_,
                     scans_since_report_);
   }
   if (incomplete_since_report_ > 0)
@@ -281,7 +282,7 @@ void MovingObjectsNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& s
                          incomplete_since_report_);
   status.addf("objects", "%zu", objects_);
   status.addf("tracks", "%zu", tracker_.all().size());
-  status.addf("masks in the last second", "%zu", masks_since_report_);
+  status.addf("masks since the last report", "%zu", masks_since_report_);
   status.addf("computation time (ms)", "%.2f", 1e3 * computation_time_);
   status.addf("latency (ms)", "%.1f", 1e3 * latency_);
   status.addf("left out", "%zu", dropped_);

@@ -33,8 +33,10 @@ class MovingObjectsNodelet : public ConfiguredNodelet<MovingObjectsConfig> {
   bool hasAudience() const override;
   void apply(const MovingObjectsConfig& config) override;
   void tick() override {
-    processQueue();
-    processMasks();
+    guard(*static_input_, [this] {
+      processQueue();
+      processMasks();
+    });
   }
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;

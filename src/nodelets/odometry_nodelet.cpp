@@ -28,7 +28,8 @@ void OdometryNodelet::setUp() {
   twist_input_ = listenAs<geometry_msgs::TwistWithCovarianceStamped>(
       "input ego/twist", std::make_unique<InputMonitor>("ego/twist", expectation(), true, "twist"),
       "ego/twist", 20,
-      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { onTwist(twist); });
+      [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { onTwist(twist); }, {},
+      Stamps::kByBody);
   setUpRotationSource();
 
   odometry_publisher_ = handle.advertise<nav_msgs::Odometry>("odom", 10);
@@ -63,7 +64,6 @@ void OdometryNodelet::setUpRotationSource() {
                   nameOf(config_, config_.rotation.source) +
                   " with a position (odometry, tf); starting at the origin");
   }
-  if (rotation_source_) rotation_source_->start();
 }
 
 void OdometryNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -113,6 +113,7 @@ void OdometryNodelet::clearHistory() {
 void OdometryNodelet::onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) {
   const std::string defect = twistDefect(*twist, extrinsics_->baseFrame());
   if (!defect.empty()) throw std::invalid_argument(defect);
+  acceptStamp(*twist_input_, twist->header);
   pending_.push_back({twist, Moment::now()});
   processQueue();
 }

@@ -33,6 +33,9 @@ class OdometryNodelet : public ConfiguredNodelet<OdometryConfig> {
 
   void setUp() override;
   void setUpRotationSource();
+  void started() override {
+    if (rotation_source_) rotation_source_->start();
+  }
   void tick() override {
     guard(*twist_input_, [this] { processQueue(); });
   }

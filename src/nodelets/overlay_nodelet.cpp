@@ -135,8 +135,8 @@ void OverlayNodelet::processQueue() {
 void OverlayNodelet::dropThrough(const ros::Time& stamp) {
   while (!images_.empty() && images_.front().stamp <= stamp) images_.pop_front();
   for (StampCache<sensor_msgs::Image>* cache : {&valids_, &depths_, &expected_flows_})
-    cache->dropThrough(stamp);
-  flows_.dropThrough(stamp);
+    cache->dropBefore(stamp);
+  flows_.dropBefore(stamp);
 }
 
 std::vector<RadarPixel> OverlayNodelet::radarPixels(const std_msgs::Header& header) {

@@ -169,8 +169,8 @@ class ParametersTest(unittest.TestCase):
             "the misspelt parameter was named")
 
     def test_a_radar_whose_topic_is_no_name_is_left_out(self):
-        odd = "/hyphen/radars/odd/topic has 'radar-front': "
-        client = self.load("EgoVelocity", "hyphen", radars=dict(RADARS, odd={"topic": "radar-front"}))
+        odd = "/hyphen/radars/radar-odd/topic has 'radar-front': "
+        client = self.load("EgoVelocity", "hyphen", radars=dict(RADARS, **{"radar-odd": {"topic": "radar-front"}}))
         self.expect_report("hyphen: configuration", DiagnosticStatus.ERROR, odd)
         client.update_configuration({"threshold": 0.7})
         self.expect_report("hyphen: radar front", DiagnosticStatus.ERROR, "")

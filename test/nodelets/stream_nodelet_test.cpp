@@ -5,6 +5,7 @@
 #include "nodelets/common/stream_nodelet.h"
 
 #include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
 #include <nodelet/loader.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -147,6 +148,23 @@ TEST_F(StreamNodeletTest, DepthServesASubscriberThatWaited) {
     images.publish(VisionWorld::image(ros::Time::now(), 0.0));
     return depths.count() > 0;
   }));
+}
+
+TEST_F(StreamNodeletTest, ATwistThatCannotBeReadMovesNoStamps) {
+  const Recorder<nav_msgs::Odometry> odometry(handle_, "odom");
+  ros::Publisher twists = handle_.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
+  nodelet::Loader loader(false);
+  ASSERT_TRUE(loader.load("/odometry", "radar_dot/Odometry", {}, {}));
+  ASSERT_TRUE(waitUntil([&] { return twists.getNumSubscribers() > 0 && odometry.connected(); }));
+  const ros::Time start = ros::Time::now();
+  for (const double seconds : {0.0, 0.1, 0.2, 0.3}) {
+    geometry_msgs::TwistWithCovarianceStamped twist = VisionWorld::twist(start + ros::Duration(seconds));
+    twists.publish(twist);
+    twist.header.stamp += ros::Duration(0.5);
+    twist.header.frame_id = "trailer";
+    twists.publish(twist);
+  }
+  EXPECT_TRUE(waitUntil([&] { return odometry.count() == 4; })) << odometry.count() << " of 4";
 }
 
 TEST(Extrinsics, NodeletsOfAProcessShareOneBuffer) {

@@ -117,7 +117,7 @@ TEST_F(WaitingPairsTest, AFullQueueGivesUpItsFirst) {
   EXPECT_EQ(pairs_.size(), 4U);
 }
 
-// Also where flow runs backward: the earlier image is done with.
+// Also where flow runs backward. A later pair may begin at the same image.
 TEST_F(WaitingPairsTest, DepthsThatNobodyCanNeedAnyMoreAreDropped) {
   needs_.depth_std = true;
   for (const bool backward : {false, true}) {
@@ -131,12 +131,17 @@ TEST_F(WaitingPairsTest, DepthsThatNobodyCanNeedAnyMoreAreDropped) {
       pairs.addDepth(first);
       pairs.addDepth(second);
     }
-    pairs.addFlow(backward ? flowAt(0.1, 0.0) : flowAt(0.0, 0.1), {});
-    {
+    const auto take = [&](double begin, double end) {
+      pairs.addFlow(backward ? flowAt(end, begin) : flowAt(begin, end), {});
       const auto taken = pairs.take(needs_, {}, nothing);
       ASSERT_TRUE(taken);
       EXPECT_TRUE(taken->item.depth_std);
-    }
+    };
+    take(0.0, 0.1);
+    EXPECT_FALSE(early.expired());
+    pairs.addDepthStd(depthAt(0.2));
+    pairs.addDepth(depthAt(0.2));
+    take(0.1, 0.2);
     EXPECT_TRUE(early.expired());
     EXPECT_TRUE(early_std.expired());
     EXPECT_FALSE(late.expired());

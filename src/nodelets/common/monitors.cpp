@@ -82,8 +82,7 @@ void checkHeader(const std_msgs::Header& header, const ros::Time& now) {
 }
 
 bool InputMonitor::accept(const std_msgs::Header& header, const ros::Time& now) {
-  heard_ = true;
-  latest_is_good_ = false;
+  arrived();
   checkHeader(header, now);
   const StampGuard::Verdict verdict = stamps_.check(header.stamp);
   if (verdict == StampGuard::Verdict::kStale) {
@@ -96,8 +95,7 @@ bool InputMonitor::accept(const std_msgs::Header& header, const ros::Time& now) 
 }
 
 void InputMonitor::acceptUnordered(const std_msgs::Header& header, const ros::Time& now) {
-  heard_ = true;
-  latest_is_good_ = false;
+  arrived();
   checkHeader(header, now);
   stream_.tickUnordered(header.stamp, now);
   ++good_;

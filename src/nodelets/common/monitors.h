@@ -83,6 +83,11 @@ class InputMonitor {
   /// @param max_age  s between stamp and arrival, above which the report warns
   void expectMaxAge(double max_age) { stream_.expectMaxAge(max_age); }
 
+  /// A message has arrived, whatever becomes of it: comes before all of the following.
+  void arrived() {
+    heard_ = true;
+    latest_is_good_ = false;
+  }
   /// Takes a message into the order. @return false when time restarted with it: everything from before is
   /// to be forgotten. @throws std::invalid_argument as checkHeader(), and for a stamp not after the one
   /// before.

@@ -37,7 +37,7 @@ void StreamNodelet::start() {
   if (!diagnostics_) return;
   // Wall time: the updater's own timing stops when a bag starts again.
   diagnostics_timer_ =
-      getNodeHandle().createWallTimer(ros::WallDuration(diagnostics_->getPeriod()),
+      getNodeHandle().createWallTimer(ros::WallDuration(std::max(kPeriod, diagnostics_->getPeriod())),
                                       [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
   look();
 }
@@ -152,8 +152,8 @@ InputMonitor& StreamNodelet::listenToImages(std::uint32_t queue_size,
 bool StreamNodelet::isTopic(const std::string& topic, const std::string& parameter) {
   const std::string defect = topicDefect(getNodeHandle(), topic);
   if (!defect.empty()) {
-    reportProblem(getPrivateNodeHandle().resolveName(parameter) + " has '" + topic + "': " + defect +
-                  "; it is left out");
+    reportProblem(getPrivateNodeHandle().getNamespace() + "/" + parameter + " has '" + topic +
+                  "': " + defect + "; it is left out");
   }
   return defect.empty();
 }
@@ -211,9 +211,19 @@ void StreamNodelet::guard(InputMonitor& input, const std::function<void()>& body
 
 void StreamNodelet::take(Input& input, const std_msgs::Header& header, const std::function<void()>& body) {
   guard(*input.monitor, [&] {
-    accept(input, header);
+    input.monitor->arrived();
+    if (input.stamps == Stamps::kByBody) {
+      checkHeader(header, ros::Time::now());
+    } else {
+      accept(input, header);
+    }
     body();
   });
+}
+
+void StreamNodelet::acceptStamp(const InputMonitor& monitor, const std_msgs::Header& header) {
+  for (const std::unique_ptr<Input>& input : inputs_)
+    if (input->monitor.get() == &monitor) accept(*input, header);
 }
 
 void StreamNodelet::accept(Input& input, const std_msgs::Header& header) {
@@ -223,8 +233,11 @@ void StreamNodelet::accept(Input& input, const std_msgs::Header& header) {
     case Stamps::kAny: monitor.acceptLatched(now); break;
     case Stamps::kUnordered: monitor.acceptUnordered(header, now); break;
     case Stamps::kRising:
+    case Stamps::kByBody:
       if (monitor.accept(header, now)) break;
       if (input.options.forget) {
+        NODELET_WARN("%s: the stamps of '%s' jumped back to %.3f s; resetting what came of it",
+                     getName().c_str(), monitor.topic().c_str(), header.stamp.toSec());
         monitor.reset();
         input.options.forget();
       } else {

@@ -48,7 +48,7 @@ class EgoMotion {
   }
   bool hasRotation() const { return rotation_ != nullptr; }
   void forget();
-  /// "odometry on '/rotation/odom'", or "yaw rate of the radars".
+  /// "odometry on '/rotation/odom'", or "yaw rate of the twists".
   std::string rotationText() const;
 
  private:

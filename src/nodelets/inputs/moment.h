@@ -6,8 +6,9 @@
 
 namespace radar_dot {
 
-/// A moment on both clocks, s. What waits for data counts the clock of ROS, so that a replay at any rate uses
-/// the same data.
+/// A moment on both clocks, s. What waits counts both: the data it waits for come by the clock of ROS, which
+/// is slow in a slow replay; what is computed of them takes its time by the wall clock, in a fast one as
+/// well.
 struct Moment {
   double ros = 0.0, wall = 0.0;
 
@@ -19,7 +20,8 @@ struct Moment {
 
   /// True while what arrived at this moment still waits.
   bool waits(double timeout, const Moment& now) const {
-    return now.ros - ros < timeout && now.wall - wall < kSlowest * timeout;
+    const double waited = now.wall - wall;
+    return (now.ros - ros < timeout || waited < timeout) && waited < kSlowest * timeout;
   }
 };
 

@@ -91,9 +91,9 @@ std::optional<MaskMessages> MaskMatcher::take(double timeout, const Moment& now,
   while (const std::optional<Queue::Taken> taken = waiting_.take(timeout, now, lackOf)) {
     const MaskMessages found = messagesOf(taken->item);
     const ros::Time stamp = found.mask->header.stamp;
-    depths_.dropThrough(stamp);
-    expected_flows_.dropThrough(stamp);
-    flows_.dropThrough(stamp);
+    depths_.dropBefore(stamp);
+    expected_flows_.dropBefore(stamp);
+    flows_.dropBefore(stamp);
     if (taken->missing.empty()) return found;
     missing = taken->missing;
   }

@@ -35,9 +35,9 @@ class StampCache {
   bool isPast(const ros::Time& stamp) const {
     return !messages_.empty() && messages_.back()->header.stamp > stamp;
   }
-  /// Forgets the messages up to a stamp, but the latest, which isPast() needs.
-  void dropThrough(const ros::Time& stamp) {
-    while (messages_.size() > 1 && messages_.front()->header.stamp <= stamp) messages_.pop_front();
+  /// Forgets the messages before a stamp, but the latest, which isPast() needs.
+  void dropBefore(const ros::Time& stamp) {
+    while (messages_.size() > 1 && messages_.front()->header.stamp < stamp) messages_.pop_front();
   }
   void clear() { messages_.clear(); }
   bool empty() const noexcept { return messages_.empty(); }

@@ -42,8 +42,8 @@ std::optional<WaitingPairs::Taken> WaitingPairs::take(const Needs& needs, const 
   if (!taken) return taken;
   const Flow& flow = *taken->item.flow;
   const ros::Time used = std::min(flow.header.stamp, flow.second_stamp);
-  depths_.dropThrough(used);
-  depth_stds_.dropThrough(used);
+  depths_.dropBefore(used);
+  depth_stds_.dropBefore(used);
   return taken;
 }
 
