@@ -4,7 +4,6 @@
 // environment variable RADAR_DOT_FLOW_MODELS, separated by colons.
 #include <benchmark/benchmark.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <memory>

@@ -7,8 +7,6 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <filesystem>
-#include <fstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <string>
 #include <vector>
 
 #include "dataset/expect_error.h"

@@ -28,12 +28,9 @@ class TablesTest : public ::testing::Test {
     tables_.reset();
     fixture_.reset();
   }
-  static std::unique_ptr<NuscenesFixture> fixture_;
-  static std::unique_ptr<Tables> tables_;
+  static inline std::unique_ptr<NuscenesFixture> fixture_;
+  static inline std::unique_ptr<Tables> tables_;
 };
-
-std::unique_ptr<NuscenesFixture> TablesTest::fixture_;
-std::unique_ptr<Tables> TablesTest::tables_;
 
 /// Every reference must lead to a row; prev and next must be each other's inverse.
 void expectEveryReferenceToHold(const Tables& tables) {

@@ -10,7 +10,6 @@
 #include <initializer_list>
 #include <map>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 #include "evaluation/simulated_dataroot.h"
@@ -40,11 +39,9 @@ class DepthEvaluation : public ::testing::Test {
     options.truth = truth;
     return evaluateDepth(dataroot_->tables(), 0, options);
   }
-  static std::unique_ptr<test::TemporaryFolder> folder_;
-  static std::unique_ptr<test::SimulatedDataroot> dataroot_;
+  static inline std::unique_ptr<test::TemporaryFolder> folder_;
+  static inline std::unique_ptr<test::SimulatedDataroot> dataroot_;
 };
-std::unique_ptr<test::TemporaryFolder> DepthEvaluation::folder_;
-std::unique_ptr<test::SimulatedDataroot> DepthEvaluation::dataroot_;
 
 TEST_F(DepthEvaluation, TheTruthHasNoErrors) {
   const DepthReport report = evaluate("ground_truth", DepthTruth::kGroundTruth);

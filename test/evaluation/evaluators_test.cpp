@@ -71,9 +71,8 @@ class Evaluators : public ::testing::Test {
   }
 
   test::TemporaryFolder folder_;
-  static std::unique_ptr<test::NuscenesFixture> fixture_;
+  static inline std::unique_ptr<test::NuscenesFixture> fixture_;
 };
-std::unique_ptr<test::NuscenesFixture> Evaluators::fixture_;
 
 TEST_F(Evaluators, BadInputGetsOneLineAndANonZeroExit) {
   for (const std::string tool : {"evaluate_ego_velocity", "evaluate_depth", "evaluate_flow",

@@ -9,7 +9,6 @@
 #include <initializer_list>
 #include <limits>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -66,11 +65,9 @@ class FixtureFlowEvaluation : public ::testing::Test {
     options.pairs.max_pairs = 2;
     return evaluateFlow(*tables_, 0, options);
   }
-  static std::unique_ptr<test::NuscenesFixture> fixture_;
-  static std::unique_ptr<dataset::Tables> tables_;
+  static inline std::unique_ptr<test::NuscenesFixture> fixture_;
+  static inline std::unique_ptr<dataset::Tables> tables_;
 };
-std::unique_ptr<test::NuscenesFixture> FixtureFlowEvaluation::fixture_;
-std::unique_ptr<dataset::Tables> FixtureFlowEvaluation::tables_;
 
 TEST_F(FixtureFlowEvaluation, AShiftIsTheErrorOnEveryGrid) {
   answerWith([](const cv::Size& size, const cv::Mat&) {
@@ -177,9 +174,8 @@ class SimulatedFlowEvaluation : public ::testing::Test {
   static FlowReport evaluate(const FlowEvaluationOptions& options, dataset::Index scene = 0) {
     return evaluateFlow(dataroot_->tables(), scene, options);
   }
-  static std::unique_ptr<test::SimulatedDataroot> dataroot_;
+  static inline std::unique_ptr<test::SimulatedDataroot> dataroot_;
 };
-std::unique_ptr<test::SimulatedDataroot> SimulatedFlowEvaluation::dataroot_;
 
 TEST_F(SimulatedFlowEvaluation, BothKindsOfPairsHaveTheirTruth) {
   for (const ImagePairs pairs : {ImagePairs::kKeyframes, ImagePairs::kNext}) {

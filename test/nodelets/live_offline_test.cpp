@@ -16,7 +16,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>

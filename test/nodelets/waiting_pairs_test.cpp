@@ -7,7 +7,6 @@
 #include <boost/make_shared.hpp>
 #include <boost/weak_ptr.hpp>
 #include <cmath>
-#include <cstdint>
 
 namespace radar_dot {
 namespace {

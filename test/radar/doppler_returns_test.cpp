@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <map>
@@ -139,8 +138,7 @@ TEST(DopplerExtractor, MissingFieldsAreNamedWithThoseAtHand) {
   const PointCloud cloud = makeCloud({"x", "y", "power"}, {}, {});
   DopplerExtractor extractor;
   std::vector<DopplerReturn> returns;
-  test::expectRefusal<std::invalid_argument>([&] { extractor.extract(cloud.view(), returns); },
-                                             {"'vx'", "x, y, power"});
+  test::expectRefusal([&] { extractor.extract(cloud.view(), returns); }, {"'vx'", "x, y, power"});
 }
 
 TEST(DopplerExtractor, AFieldBeyondThePointIsRefused) {

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
@@ -72,9 +71,8 @@ class DriveSimulator : public ::testing::Test {
   static void TearDownTestSuite() { folder_.reset(); }
   static fs::path dataroot() { return folder_->path() / "simulated"; }
   static Tables load() { return loadSimulated(dataroot()); }
-  static std::unique_ptr<test::TemporaryFolder> folder_;
+  static inline std::unique_ptr<test::TemporaryFolder> folder_;
 };
-std::unique_ptr<test::TemporaryFolder> DriveSimulator::folder_;
 
 TEST_F(DriveSimulator, TablesAreReadAndEveryFileIsThere) {
   const Tables tables = load();
@@ -277,7 +275,7 @@ TEST(DriveSimulatorBytes, WhatThrowsInTheMiddleLeavesNothing) {
 
 TEST(DriveOptionsCheck, NamesTheOptionThatMakesNoSense) {
   const auto expectRefused = [](const DriveOptions& options, const std::string& part) {
-    test::expectRefusal<std::invalid_argument>([&options] { checkOptions(options); }, {part});
+    test::expectRefusal([&options] { checkOptions(options); }, {part});
   };
   DriveOptions options;
   checkOptions(options);
