@@ -24,10 +24,6 @@ class TablesTest : public ::testing::Test {
     fixture_ = std::make_unique<NuscenesFixture>(options);
     tables_ = std::make_unique<Tables>(Tables::load(fixture_->dataroot()));
   }
-  static void TearDownTestSuite() {
-    tables_.reset();
-    fixture_.reset();
-  }
   static inline std::unique_ptr<NuscenesFixture> fixture_;
   static inline std::unique_ptr<Tables> tables_;
 };

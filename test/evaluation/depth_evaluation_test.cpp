@@ -7,7 +7,6 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
-#include <initializer_list>
 #include <map>
 #include <memory>
 #include <string>
@@ -28,10 +27,6 @@ class DepthEvaluation : public ::testing::Test {
     folder_ = std::make_unique<test::TemporaryFolder>();
     fs::copy(SIMULATED_DATAROOT, folder_->path(), fs::copy_options::recursive);
     dataroot_ = std::make_unique<test::SimulatedDataroot>(folder_->path());
-  }
-  static void TearDownTestSuite() {
-    dataroot_.reset();
-    folder_.reset();
   }
   static DepthReport evaluate(const std::string& depth, DepthTruth truth) {
     DepthEvaluationOptions options;
@@ -150,7 +145,7 @@ TEST_F(DepthEvaluation, TheFirstImagesOnly) {
 }
 
 TEST_F(DepthEvaluation, RefusesWhatItDoesNotKnow) {
-  const auto expect = [](const DepthEvaluationOptions& options, std::initializer_list<std::string> parts) {
+  const auto expect = [](const DepthEvaluationOptions& options, const std::vector<std::string>& parts) {
     test::expectRefusal<std::exception>([&options] { evaluateDepth(dataroot_->tables(), 0, options); },
                                         parts);
   };

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
-#include <initializer_list>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 #include <string>
@@ -35,10 +34,6 @@ class Evaluation : public ::testing::Test {
   static void SetUpTestSuite() {
     fixture_ = std::make_unique<NuscenesFixture>(longerDrive());
     tables_ = std::make_unique<dataset::Tables>(dataset::Tables::load(fixture_->dataroot()));
-  }
-  static void TearDownTestSuite() {
-    tables_.reset();
-    fixture_.reset();
   }
   static VelocityReport evaluate(const char* scene, const VelocityEvaluationOptions& options = {}) {
     return evaluateEgoVelocity(*tables_, tables_->findScene(scene), options);
@@ -154,7 +149,7 @@ TEST_F(Evaluation, MasksOfNothingAreNamed) {
   const test::TemporaryFolder folder;
   VelocityEvaluationOptions options;
   options.masks.directory = folder.path().string();
-  const auto expect = [&options](std::initializer_list<std::string> parts) {
+  const auto expect = [&options](const std::vector<std::string>& parts) {
     test::expectRefusal<dataset::DatasetError>(
         [&options] { evaluate(NuscenesFixture::kStraightScene, options); }, parts);
   };

@@ -48,7 +48,6 @@ void expectParts(const std::string& text, const std::vector<std::string>& parts)
 class Evaluators : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { fixture_ = std::make_unique<test::NuscenesFixture>(); }
-  static void TearDownTestSuite() { fixture_.reset(); }
   static std::string dataroot() { return "--version v1.0-mini --dataroot " + fixture_->dataroot().string(); }
   std::string json() const { return (folder_.path() / "out.json").string(); }
   std::string csv() const { return (folder_.path() / "out.csv").string(); }

@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <functional>
-#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <string>
@@ -53,10 +52,6 @@ class FixtureFlowEvaluation : public ::testing::Test {
     fixture_ = std::make_unique<test::NuscenesFixture>();
     FixtureFlow::write(*fixture_);
     tables_ = std::make_unique<dataset::Tables>(dataset::Tables::load(fixture_->dataroot(), {}));
-  }
-  static void TearDownTestSuite() {
-    tables_.reset();
-    fixture_.reset();
   }
   static FlowReport evaluate(const std::string& flow, int working_width = 160) {
     FlowEvaluationOptions options;
@@ -146,7 +141,7 @@ TEST_F(FixtureFlowEvaluation, TheTruthHasNoErrorFromFilesEither) {
 }
 
 TEST_F(FixtureFlowEvaluation, RefusesWhatItDoesNotKnow) {
-  const auto expect = [](const FlowEvaluationOptions& options, std::initializer_list<std::string> parts) {
+  const auto expect = [](const FlowEvaluationOptions& options, const std::vector<std::string>& parts) {
     test::expectRefusal<std::exception>([&options] { evaluateFlow(*tables_, 0, options); }, parts);
   };
   FlowEvaluationOptions options;
@@ -170,7 +165,6 @@ TEST_F(FixtureFlowEvaluation, RefusesWhatItDoesNotKnow) {
 class SimulatedFlowEvaluation : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(); }
-  static void TearDownTestSuite() { dataroot_.reset(); }
   static FlowReport evaluate(const FlowEvaluationOptions& options, dataset::Index scene = 0) {
     return evaluateFlow(dataroot_->tables(), scene, options);
   }
@@ -219,7 +213,7 @@ class FlowPair : public ::testing::Test {
     test::writeFlow(files_.truth, flow);
     params_.backend = "known";
   }
-  void expectRefusal(std::initializer_list<std::string> parts) {
+  void expectRefusal(const std::vector<std::string>& parts) {
     test::expectRefusal<std::exception>([this] { evaluateFlow(files_, params_); }, parts);
   }
   test::TemporaryFolder folder_;

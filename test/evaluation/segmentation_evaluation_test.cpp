@@ -20,7 +20,6 @@ namespace {
 class SegmentationEvaluation : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(); }
-  static void TearDownTestSuite() { dataroot_.reset(); }
 
   static SegmentationReport evaluate(const SegmentationEvaluationOptions& options, dataset::Index scene = 0) {
     return evaluateSegmentation(dataroot_->tables(), scene, dataroot_->masks(), options);

@@ -311,7 +311,7 @@ TEST(FlowMessage, PartsOfLargerImagesAreSentWithoutTheRest) {
 }
 
 TEST(FlowOf, RefusesWhatContradictsItself) {
-  const auto expectRefused = [](auto change, std::initializer_list<std::string> parts) {
+  const auto expectRefused = [](auto change, const std::vector<std::string>& parts) {
     FlowField field = flowField();
     field.valid = cv::Mat(field.flow.size(), CV_8UC1, cv::Scalar(255));
     field.fb_error = cv::Mat(field.flow.size(), CV_32FC1, cv::Scalar(0.0));

@@ -68,7 +68,6 @@ class DriveSimulator : public ::testing::Test {
     folder_ = std::make_unique<test::TemporaryFolder>();
     simulate(dataroot(), smallDrive(), {"crossing", "standing"});
   }
-  static void TearDownTestSuite() { folder_.reset(); }
   static fs::path dataroot() { return folder_->path() / "simulated"; }
   static Tables load() { return loadSimulated(dataroot()); }
   static inline std::unique_ptr<test::TemporaryFolder> folder_;

@@ -84,7 +84,7 @@ TEST_F(TorchDepth, IsAsUncertainAsItsParameterSays) {
 }
 
 TEST_F(TorchDepth, WrongNetworksAndInputsAreRefused) {
-  const auto refused = [this](const std::string& forward, std::initializer_list<std::string> parts) {
+  const auto refused = [this](const std::string& forward, const std::vector<std::string>& parts) {
     test::expectRefusal([&] { makeDepthEstimator(paramsOf(forward)); }, parts);
   };
   refused("def forward(self, image):\n    return image\n",
