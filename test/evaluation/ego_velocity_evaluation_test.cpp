@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <functional>
 #include <opencv2/imgcodecs.hpp>
-#include <stdexcept>
 #include <string>
 
 #include "fixtures/files.h"

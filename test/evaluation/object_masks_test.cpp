@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
-#include <stdexcept>
 
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/refusal.h"

@@ -24,11 +24,11 @@
 #include "evaluation/scene_motion.h"
 #include "evaluation/segmentation_images.h"
 #include "fixtures/files.h"
-#include "fixtures/tool_run.h"
 #include "live_graph.h"
 #include "nodelets/inputs/extrinsics.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "radar_dot/radar/sweep_estimator.h"
+#include "simulated_bag.h"
 #include "vision_world.h"
 
 namespace radar_dot::test {
@@ -40,19 +40,6 @@ using sensor_msgs::PointCloud2;
 
 constexpr double kPatience = 30.0;  // s; machines are slow at times
 constexpr const char* kRadars[] = {"back_left", "back_right", "front", "front_left", "front_right"};
-
-/// Keyframes alone, so that live and offline have the same pairs.
-fs::path simulatedBag(const fs::path& folder) {
-  const std::string drive = (folder / "drive").string();
-  const Outcome simulation = runCommand(std::string(SIMULATOR) + " --output " + drive +
-                                        " --scenarios oncoming --duration 3 --frames keyframes --lidar-rate 2"
-                                        " --width 320 --height 180 --ground-truth keyframes");
-  EXPECT_EQ(simulation.exit_code, 0) << simulation.text;
-  const Outcome conversion = runCommand(std::string(CONVERTER) + " --dataroot " + drive +
-                                        " --version v1.0-sim --output " + folder.string());
-  EXPECT_EQ(conversion.exit_code, 0) << conversion.text;
-  return folder / "scene-0004.bag";
-}
 
 dataset::Tables tablesOf(const fs::path& dataroot) {
   dataset::LoadOptions options;
@@ -210,7 +197,10 @@ class LiveDrive {
 
 TEST(LiveAndOffline, TwistsAndMasksAreTheSame) {
   const TemporaryFolder folder;
-  const fs::path file = simulatedBag(folder.path());
+  // Keyframes alone, so that live and offline have the same pairs.
+  const fs::path file =
+      simulatedBag(folder.path(), "scene-0004",
+                   "--scenarios oncoming --duration 3 --frames keyframes --width 320 --height 180");
   ASSERT_TRUE(fs::exists(file));
   const dataset::Tables tables = tablesOf(folder.path() / "drive");
   const evaluation::SegmentationEvaluationOptions options = offlineOptions(folder.path() / "masks");

@@ -6,7 +6,6 @@
 
 #include <boost/make_shared.hpp>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
 #include <string>
 
 #include "fixtures/refusal.h"

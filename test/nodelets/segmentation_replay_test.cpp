@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "fixtures/files.h"
-#include "fixtures/tool_run.h"
 #include "live_graph.h"
+#include "simulated_bag.h"
 #include "vision_world.h"
 
 namespace radar_dot::test {
@@ -28,11 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 using sensor_msgs::CompressedImage;
 using sensor_msgs::Image;
-
-// The vehicle stands, traffic crosses: the largest masks of all scenarios.
-constexpr const char* kScenario = "standing";
-constexpr const char* kScene = "scene-0006";
-constexpr const char* kDuration = "4";  // s
 
 /// Arrival of every mask by its stamp, s of the replay's clock.
 class Arrivals {
@@ -59,19 +54,6 @@ double percentile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-/// Simulates the drive and converts it. @return the bag
-fs::path simulatedBag(const fs::path& folder) {
-  const std::string drive = (folder / "drive").string();
-  const Outcome simulation =
-      runCommand(std::string(SIMULATOR) + " --output " + drive + " --scenarios " + kScenario +
-                 " --duration " + kDuration + " --lidar-rate 2 --ground-truth keyframes");
-  EXPECT_EQ(simulation.exit_code, 0) << simulation.text;
-  const Outcome conversion = runCommand(std::string(CONVERTER) + " --dataroot " + drive +
-                                        " --version v1.0-sim --output " + folder.string());
-  EXPECT_EQ(conversion.exit_code, 0) << conversion.text;
-  return folder / (std::string(kScene) + ".bag");
-}
-
 /// Overlap of the masks with the annotated ones, over all pixels.
 double overallIou(const std::vector<boost::shared_ptr<const Image>>& masks,
                   const std::vector<boost::shared_ptr<const CompressedImage>>& truths,
@@ -94,7 +76,8 @@ double overallIou(const std::vector<boost::shared_ptr<const Image>>& masks,
 
 TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
   const TemporaryFolder folder;
-  const fs::path bag = simulatedBag(folder.path());
+  // The vehicle stands, traffic crosses: the largest masks of all scenarios.
+  const fs::path bag = simulatedBag(folder.path(), "scene-0006", "--scenarios standing --duration 4");
   ASSERT_TRUE(fs::exists(bag));
 
   ros::NodeHandle handle;

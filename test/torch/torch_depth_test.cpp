@@ -5,7 +5,6 @@
 #include <cmath>
 #include <filesystem>
 #include <opencv2/core.hpp>
-#include <stdexcept>
 #include <string>
 
 #include "fixtures/camera_mount.h"

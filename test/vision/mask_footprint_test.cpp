@@ -6,7 +6,6 @@
 
 #include <limits>
 #include <opencv2/core.hpp>
-#include <stdexcept>
 #include <vector>
 
 #include "fixtures/camera_mount.h"

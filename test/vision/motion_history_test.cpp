@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
-#include <stdexcept>
 
 #include "fixtures/refusal.h"
 

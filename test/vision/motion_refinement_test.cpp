@@ -8,7 +8,6 @@
 #include <limits>
 #include <opencv2/core.hpp>
 #include <random>
-#include <stdexcept>
 
 #include "fixtures/camera_mount.h"
 #include "fixtures/refusal.h"
