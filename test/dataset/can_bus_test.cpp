@@ -6,6 +6,7 @@
 
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/refusal.h"
+#include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::dataset {
 namespace {

@@ -43,9 +43,7 @@ class DatarootFilesTest : public ::testing::Test {
     writer.finish();
   }
   std::string sceneIn(const fs::path& dataroot) const {
-    LoadOptions options;
-    options.version = kVersion;
-    return Tables::load(dataroot, options).scenes.at(0).name;
+    return Tables::load(dataroot, {kVersion, {}}).scenes.at(0).name;
   }
   /// Overwriting is refused and changes nothing.
   void expectRefusal(const std::vector<std::string>& parts) const {

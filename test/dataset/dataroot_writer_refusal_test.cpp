@@ -38,9 +38,7 @@ class DatarootRefusalTest : public ::testing::Test {
     }
     writer_.add(test::smallScene(1));
     writer_.finish();
-    LoadOptions options;
-    options.version = "v1.0-sim";
-    EXPECT_EQ(Tables::load(folder_.path() / "dataroot", options).sample_data.size(), 20U);
+    EXPECT_EQ(Tables::load(folder_.path() / "dataroot", {"v1.0-sim", {}}).sample_data.size(), 20U);
   }
 
   test::TemporaryFolder folder_;

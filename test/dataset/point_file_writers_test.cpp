@@ -10,6 +10,7 @@
 #include "fixtures/pcd_writer.h"
 #include "fixtures/refusal.h"
 #include "radar_dot/dataset/point_files.h"
+#include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::dataset {
 namespace {

@@ -12,6 +12,7 @@
 #include "fixtures/files.h"
 #include "fixtures/pcd_writer.h"
 #include "fixtures/refusal.h"
+#include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::dataset {
 namespace {

@@ -272,10 +272,6 @@ TEST_F(Evaluators, FlowOfASinglePair) {
                  {{"--flow-backend telepathy", "telepathy"},
                   {"--preset best", "--preset is 'best'"},
                   {"--working-width 20", "too small"}});
-  test::writeFlow(folder_.path() / "flow.png", cv::Mat(45, 80, CV_32FC2, cv::Scalar(0.0, 0.0)));
-  expectRefusals("evaluate_flow", pair, {{"", "is 80x45 px, the first image 160x90"}});
-  test::writeImage(folder_.path() / "flow.png", cv::Mat::zeros(90, 160, CV_8UC1));
-  expectRefusals("evaluate_flow", pair, {{"", "KITTI"}});
 }
 
 TEST_F(Evaluators, SegmentationComparesTheLoopAndMergesComparisons) {

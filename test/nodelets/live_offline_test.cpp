@@ -41,12 +41,6 @@ using sensor_msgs::PointCloud2;
 constexpr double kPatience = 30.0;  // s; machines are slow at times
 constexpr const char* kRadars[] = {"back_left", "back_right", "front", "front_left", "front_right"};
 
-dataset::Tables tablesOf(const fs::path& dataroot) {
-  dataset::LoadOptions options;
-  options.version = "v1.0-sim";
-  return dataset::Tables::load(dataroot, options);
-}
-
 /// Everything that a mask can be made of.
 evaluation::SegmentationEvaluationOptions offlineOptions(const fs::path& masks) {
   evaluation::SegmentationEvaluationOptions options;
@@ -202,7 +196,7 @@ TEST(LiveAndOffline, TwistsAndMasksAreTheSame) {
       simulatedBag(folder.path(), "scene-0004",
                    "--scenarios oncoming --duration 3 --frames keyframes --width 320 --height 180");
   ASSERT_TRUE(fs::exists(file));
-  const dataset::Tables tables = tablesOf(folder.path() / "drive");
+  const dataset::Tables tables = dataset::Tables::load(folder.path() / "drive", {"v1.0-sim", {}});
   const evaluation::SegmentationEvaluationOptions options = offlineOptions(folder.path() / "masks");
   fs::create_directories(options.mask_directory);
   const evaluation::SegmentationReport report = evaluation::evaluateSegmentation(tables, 0, {}, options);

@@ -49,11 +49,7 @@ void simulate(const fs::path& output, const DriveOptions& options,
   writer.finish();
 }
 
-Tables loadSimulated(const fs::path& dataroot) {
-  dataset::LoadOptions options;
-  options.version = "v1.0-sim";
-  return Tables::load(dataroot, options);
-}
+Tables loadSimulated(const fs::path& dataroot) { return Tables::load(dataroot, {"v1.0-sim", {}}); }
 
 std::map<std::string, std::string> filesUnder(const fs::path& folder) {
   std::map<std::string, std::string> files;
