@@ -136,6 +136,7 @@ TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
             << 1e3 * percentile(latencies, 0.5) << " ms, 95 % " << 1e3 * percentile(latencies, 0.95)
             << " ms\nIoU over " << compared << " annotated images: " << iou << '\n';
   // Into the test's result file, where scripts/test finds it.
+  RecordProperty("speed_percent", static_cast<int>(100.0 * rate));
   RecordProperty("masks", static_cast<int>(masks.size()));
   RecordProperty("pairs", static_cast<int>(pairs));
   RecordProperty("latency_median_ms", static_cast<int>(1e3 * percentile(latencies, 0.5)));
