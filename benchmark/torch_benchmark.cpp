@@ -80,7 +80,13 @@ void registerFlows() {
     add("flow/dis/" + std::string(toString(preset)), params);
   }
   const char* models = std::getenv("RADAR_DOT_FLOW_MODELS");
-  std::istringstream files(models != nullptr ? models : "");
+  if (models == nullptr) {
+    benchmark::RegisterBenchmark("flow/torch", [](benchmark::State& state) {
+      for (auto _ : state) state.SetLabel("skipped: RADAR_DOT_FLOW_MODELS is not set");
+    });
+    return;
+  }
+  std::istringstream files(models);
   for (std::string file; std::getline(files, file, ':');) {
     radar_dot::OpticalFlowParams params;
     params.backend = "torch";

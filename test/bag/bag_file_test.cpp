@@ -19,6 +19,7 @@
 #include <system_error>
 
 #include "fixtures/files.h"
+#include "fixtures/refusal.h"
 
 namespace radar_dot::bag {
 namespace {
@@ -49,19 +50,9 @@ bool holdsFilesOf(const fs::path& folder) {
   return false;
 }
 
-/// The message of the runtime_error an action throws, or "" when it throws none.
-template <typename Action>
-std::string errorOf(Action&& action) {
-  try {
-    action();
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return {};
-}
-
-/// errorOf with no file allowed to grow beyond `bytes`, which is what a full disk is to a writer.
-/// Runs in a process of its own: the limit, and what a broken compressed bag leaks, end with it.
+/// The message of the runtime_error of an action with no file allowed to grow beyond `bytes`, which is what a
+/// full disk is to a writer. Runs in a process of its own: the limit, and what a broken compressed bag leaks,
+/// end with it.
 template <typename Action>
 std::string errorWithinLimit(rlim_t bytes, const fs::path& folder, Action&& action) {
   int ends[2];
@@ -71,7 +62,7 @@ std::string errorWithinLimit(rlim_t bytes, const fs::path& folder, Action&& acti
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{bytes, bytes};
     ::setrlimit(RLIMIT_FSIZE, &limit);
-    std::string error = errorOf(action);
+    std::string error = test::refusalOf<std::runtime_error>(action);
     if (holdsFilesOf(folder)) error += "; a file still has content: the disk stays full";
     const bool told = ::write(ends[1], error.data(), error.size()) == static_cast<ssize_t>(error.size());
     ::_exit(told ? 0 : 1);
@@ -118,9 +109,8 @@ TEST(BagFile, OverwritesOnlyWhenAllowed) {
   const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "a.bag";
   test::writeFile(file, "precious");
-  const std::string error = errorOf([&] { BagFile(file, Compression::kNone, false); });
-  EXPECT_NE(error.find(file.string()), std::string::npos) << error;
-  EXPECT_NE(error.find("exists already"), std::string::npos) << error;
+  test::expectRefusal<std::runtime_error>([&] { BagFile(file, Compression::kNone, false); },
+                                          {file.string(), "exists already"});
   EXPECT_EQ(test::readFile(file), "precious");
 
   // A conversion that fails leaves the old bag as it was.
@@ -140,7 +130,7 @@ TEST(BagFile, RefusesToReplaceABagThatAppearedMeanwhile) {
   BagFile bag(file, Compression::kNone, false);
   writePictures(bag, 1, 10);
   test::writeFile(file, "precious");
-  EXPECT_NE(errorOf([&] { bag.commit(); }).find("exists"), std::string::npos);
+  test::expectRefusal<std::runtime_error>([&] { bag.commit(); }, {"exists"});
   EXPECT_EQ(test::readFile(file), "precious");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);
 }
@@ -149,18 +139,13 @@ TEST(BagFile, NamesThePathThatCannotBeWritten) {
   const test::TemporaryFolder folder;
   test::writeFile(folder.path() / "file", "a regular file is no folder");
   const fs::path below_file = folder.path() / "file/a.bag";
-  const std::string error = errorOf([&] { BagFile(below_file, Compression::kNone, false); });
-  EXPECT_NE(error.find(below_file.string()), std::string::npos) << error;
-  EXPECT_NE(error.find("Not a directory"), std::string::npos) << error;
-
-  const std::string proc = errorOf([] { BagFile("/proc/a.bag", Compression::kNone, false); });
-  EXPECT_NE(proc.find("/proc/a.bag"), std::string::npos) << proc;
-  EXPECT_EQ(proc.find('\n'), std::string::npos) << proc;
-
+  test::expectRefusal<std::runtime_error>([&] { BagFile(below_file, Compression::kNone, false); },
+                                          {below_file.string(), "Not a directory"});
+  test::expectRefusal<std::runtime_error>([] { BagFile("/proc/a.bag", Compression::kNone, false); },
+                                          {"/proc/a.bag"});
   fs::create_directory(folder.path() / "folder.bag");
-  const std::string directory =
-      errorOf([&] { BagFile(folder.path() / "folder.bag", Compression::kNone, true); });
-  EXPECT_NE(directory.find("Is a directory"), std::string::npos) << directory;
+  test::expectRefusal<std::runtime_error>(
+      [&] { BagFile(folder.path() / "folder.bag", Compression::kNone, true); }, {"Is a directory"});
 }
 
 class BagFileOnAFullDisk : public testing::TestWithParam<Compression> {};

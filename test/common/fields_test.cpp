@@ -8,6 +8,8 @@
 #include <limits>
 #include <tuple>
 
+#include "fixtures/refusal.h"
+
 namespace radar_dot {
 
 enum class Colour { kRed, kGreen };
@@ -57,15 +59,6 @@ struct Street {
     fields.addDictionary("lamps", lamps, "Its lamps by name");
   }
 };
-
-std::string refusalOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InvalidParameter& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 TEST(Fields, SetEachTypeFromText) {
   Street street;
@@ -124,11 +117,15 @@ TEST(Fields, RefusalsNameFieldValueAndWhatIsValid) {
       {"colour", "blue", "colour is 'blue', must be one of red, green"},
       {"numbers", "1, 256", "numbers is 1, 256, must be between 0 and 255"}};
   for (const auto& [name, text, refusal] : refusals)
-    EXPECT_EQ(refusalOf([&, name = name, text = text] { fields.find(name)->setFromText(text); }), refusal);
+    EXPECT_EQ(test::refusalOf<InvalidParameter>(
+                  [&, name = name, text = text] { fields.find(name)->setFromText(text); }),
+              refusal);
   EXPECT_TRUE(sameFields(Street(), street)) << "what is refused changes nothing";
-  EXPECT_EQ(refusalOf([&] { fields.find("near")->set(true); }), "near is 'true', must be a number");
+  EXPECT_EQ(test::refusalOf<InvalidParameter>([&] { fields.find("near")->set(true); }),
+            "near is 'true', must be a number");
   street.far = std::nan("");
-  EXPECT_EQ(refusalOf([&] { validateFields(street); }), "far is nan, must be between 0 and 1000 m");
+  EXPECT_EQ(test::refusalOf<InvalidParameter>([&] { validateFields(street); }),
+            "far is nan, must be between 0 and 1000 m");
 }
 
 TEST(Fields, RulesBetweenFieldsNameThem) {
@@ -142,8 +139,9 @@ TEST(Fields, RulesBetweenFieldsNameThem) {
     EXPECT_STREQ(error.what(), "near (60 m) must be smaller than far (50 m)");
     EXPECT_EQ(error.names(), (std::vector<std::string>{"near", "far"}));
   }
-  EXPECT_EQ(refusalOf([&] { require(false, fields, {&street.lanes}, "it must be even"); }),
-            "lanes is 2; it must be even");
+  EXPECT_EQ(
+      test::refusalOf<InvalidParameter>([&] { require(false, fields, {&street.lanes}, "it must be even"); }),
+      "lanes is 2; it must be even");
   const double stranger = 60.0;
   EXPECT_THROW(requireLess(fields, stranger, street.far), std::logic_error);
 }

@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include "dataset/expect_error.h"
 #include "fixtures/nuscenes_fixture.h"
+#include "fixtures/refusal.h"
+#include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::dataset {
 namespace {
 
-using test::expectDatasetError;
 using test::NuscenesFixture;
 
 class CanBusTest : public ::testing::Test {
@@ -90,12 +90,13 @@ TEST_F(CanBusTest, RecordsAreSortedByTime) {
 TEST_F(CanBusTest, ErrorsNameFileRecordAndField) {
   const auto read = [&] { readCanBus(fixture_.dataroot(), "scene-0002"); };
   test::replaceInFile(file("zoe_veh_info"), "RL_wheel_speed", "rear_left");
-  expectDatasetError(read,
-                     {"can_bus/scene-0002_zoe_veh_info.json record 0", "field 'RL_wheel_speed' is missing"});
+  test::expectRefusal<DatasetError>(
+      read, {"can_bus/scene-0002_zoe_veh_info.json record 0", "field 'RL_wheel_speed' is missing"});
   test::replaceInFile(file("pose"), "\"vel\": [", "\"vel\": [\"fast\", ");
-  expectDatasetError(read, {"can_bus/scene-0002_pose.json record 0", "field 'vel' must hold 3 numbers"});
+  test::expectRefusal<DatasetError>(
+      read, {"can_bus/scene-0002_pose.json record 0", "field 'vel' must hold 3 numbers"});
   test::writeFile(file("pose"), "[{\"utime\": 1");
-  expectDatasetError(read, {"can_bus/scene-0002_pose.json: malformed JSON at byte 12"});
+  test::expectRefusal<DatasetError>(read, {"can_bus/scene-0002_pose.json: malformed JSON at byte 12"});
 }
 
 }  // namespace

@@ -6,13 +6,12 @@
 
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
-#include "dataset/expect_error.h"
 #include "dataset/small_scene.h"
 #include "fixtures/files.h"
+#include "fixtures/refusal.h"
 #include "radar_dot/dataset/dataroot_writer.h"
 #include "radar_dot/dataset/tables.h"
 
@@ -20,7 +19,6 @@ namespace radar_dot::dataset {
 namespace {
 
 namespace fs = std::filesystem;
-using test::expectDatasetError;
 
 constexpr const char* kVersion = "v1.0-sim";
 
@@ -45,14 +43,12 @@ class DatarootFilesTest : public ::testing::Test {
     writer.finish();
   }
   std::string sceneIn(const fs::path& dataroot) const {
-    LoadOptions options;
-    options.version = kVersion;
-    return Tables::load(dataroot, options).scenes.at(0).name;
+    return Tables::load(dataroot, {kVersion, {}}).scenes.at(0).name;
   }
   /// Overwriting is refused and changes nothing.
-  void expectRefusal(std::initializer_list<std::string_view> parts) const {
+  void expectRefusal(const std::vector<std::string>& parts) const {
     const auto before = contentOf(folder_.path());
-    expectDatasetError([&] { write(output(), 2, true); }, parts);
+    test::expectRefusal<DatasetError>([&] { write(output(), 2, true); }, parts);
     EXPECT_EQ(contentOf(folder_.path()), before);
   }
 
@@ -108,7 +104,7 @@ TEST_F(DatarootFilesTest, AnEmptyFolderIsFilled) {
 TEST_F(DatarootFilesTest, AnExistingOutputIsKeptWithoutForce) {
   write(output(), 1);
   const auto before = contentOf(folder_.path());
-  expectDatasetError([&] { write(output(), 2); }, {output().string(), "not empty", "--force"});
+  test::expectRefusal<DatasetError>([&] { write(output(), 2); }, {output().string(), "not empty", "--force"});
   EXPECT_EQ(contentOf(folder_.path()), before);
 }
 
@@ -167,7 +163,7 @@ TEST_F(DatarootFilesTest, AnOutputThatBecomesForeignMeanwhileIsNotReplaced) {
   DatarootWriter writer(output(), kVersion, true);
   writer.add(test::smallScene(2));
   test::writeFile(output() / "notes.txt", "new");
-  expectDatasetError([&] { writer.finish(); }, {"'notes.txt'", "is not replaced"});
+  test::expectRefusal<DatasetError>([&] { writer.finish(); }, {"'notes.txt'", "is not replaced"});
   EXPECT_EQ(sceneIn(output()), "scene-0001");
 }
 
@@ -178,16 +174,17 @@ TEST_F(DatarootFilesTest, AFileInTheWayIsNeverReplaced) {
 
 TEST_F(DatarootFilesTest, AnUnwritableParentIsNamed) {
   test::writeFile(folder_.path() / "file", "no folder");
-  expectDatasetError([&] { write(folder_.path() / "file/drive", 1); }, {"/file", "cannot"});
-  expectDatasetError([&] { write("/proc/drive", 1); }, {"/proc/.drive.partial-", "cannot make this folder"});
-  expectDatasetError([&] { write("/", 1); }, {"/: no name"});
+  test::expectRefusal<DatasetError>([&] { write(folder_.path() / "file/drive", 1); }, {"/file", "cannot"});
+  test::expectRefusal<DatasetError>([&] { write("/proc/drive", 1); },
+                                    {"/proc/.drive.partial-", "cannot make this folder"});
+  test::expectRefusal<DatasetError>([&] { write("/", 1); }, {"/: no name"});
 }
 
 TEST_F(DatarootFilesTest, AFileThatCannotBeWrittenEndsTheWriter) {
   DatarootWriter writer(output(), kVersion, false);
   fs::remove_all(writer.workFolder() / "can_bus");
-  expectDatasetError([&] { writer.add(test::smallScene(1)); },
-                     {"can_bus/scene-0001_pose.json: cannot write", "No such file"});
+  test::expectRefusal<DatasetError>([&] { writer.add(test::smallScene(1)); },
+                                    {"can_bus/scene-0001_pose.json: cannot write", "No such file"});
   EXPECT_THROW(writer.add(test::smallScene(2)), std::logic_error);
   EXPECT_THROW(writer.finish(), std::logic_error);
   EXPECT_FALSE(fs::exists(output()));

@@ -6,12 +6,12 @@
 
 #include <functional>
 #include <limits>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "dataset/small_scene.h"
 #include "fixtures/files.h"
+#include "fixtures/refusal.h"
 #include "radar_dot/dataset/dataroot_writer.h"
 #include "radar_dot/dataset/tables.h"
 
@@ -33,18 +33,12 @@ class DatarootRefusalTest : public ::testing::Test {
     for (const Defect& defect : defects) {
       NewScene scene = test::smallScene(1);
       defect.make(scene);
-      try {
-        writer_.add(scene);
-        FAIL() << "not refused: " << defect.message;
-      } catch (const std::invalid_argument& error) {
-        EXPECT_EQ(std::string(error.what()), "scene '" + scene.name + "': " + defect.message);
-      }
+      EXPECT_EQ(test::refusalOf([&] { writer_.add(scene); }),
+                "scene '" + scene.name + "': " + defect.message);
     }
     writer_.add(test::smallScene(1));
     writer_.finish();
-    LoadOptions options;
-    options.version = "v1.0-sim";
-    EXPECT_EQ(Tables::load(folder_.path() / "dataroot", options).sample_data.size(), 20U);
+    EXPECT_EQ(Tables::load(folder_.path() / "dataroot", {"v1.0-sim", {}}).sample_data.size(), 20U);
   }
 
   test::TemporaryFolder folder_;
@@ -167,12 +161,7 @@ TEST(DatarootRefusal, ScenesMustDifferAndShareTheirSensors) {
   const auto expect = [&](const std::string& message, const std::function<void(NewScene&)>& make) {
     NewScene scene = test::smallScene(2);
     make(scene);
-    try {
-      writer.add(scene);
-      FAIL() << "not refused: " << message;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_EQ(std::string(error.what()), message);
-    }
+    EXPECT_EQ(test::refusalOf([&] { writer.add(scene); }), message);
   };
   expect("scene 'scene-0001': another scene has this name", [](NewScene& s) { s.name = "scene-0001"; });
   expect("scene 'scene-0002': another scene has the log 'sim-2026-01-01-00-00-00+0000'",

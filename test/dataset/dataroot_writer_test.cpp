@@ -39,9 +39,7 @@ class DatarootWriterTest : public ::testing::Test {
       writer.add(scene);
     }
     writer.finish();
-    LoadOptions options;
-    options.version = kVersion;
-    tables_ = Tables::load(dataroot(), options);
+    tables_ = Tables::load(dataroot(), {kVersion, {}});
   }
   std::filesystem::path dataroot() const { return folder_.path() / "dataroot"; }
   Index row(const NewScene& scene) const { return tables_.findScene(scene.name); }
@@ -281,9 +279,7 @@ TEST(DatarootWriterCanBus, PartsWithoutMessagesGetNoFile) {
 TEST(DatarootWriterEmpty, ADatarootWithoutScenesIsValid) {
   const test::TemporaryFolder folder;
   DatarootWriter(folder.path() / "dataroot", kVersion, false).finish();
-  LoadOptions options;
-  options.version = kVersion;
-  EXPECT_TRUE(Tables::load(folder.path() / "dataroot", options).scenes.empty());
+  EXPECT_TRUE(Tables::load(folder.path() / "dataroot", {kVersion, {}}).scenes.empty());
 }
 
 }  // namespace

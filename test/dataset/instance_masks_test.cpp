@@ -9,13 +9,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "dataset/expect_error.h"
 #include "fixtures/nuscenes_fixture.h"
+#include "fixtures/refusal.h"
 
 namespace radar_dot::dataset {
 namespace {
 
-using test::expectDatasetError;
 using test::NuscenesFixture;
 
 using Counts = std::vector<std::uint32_t>;
@@ -146,9 +145,9 @@ class InstanceMaskFiles : public ::testing::Test {
     test::writeFile(file, after);
     return readInstanceMasks(tables_, file);
   }
-  void expectError(const std::string& mask, std::string_view complaint) {
-    expectDatasetError([&] { read(mask); },
-                       {"other.json record 0 (token ", "field 'instance_mask'", complaint});
+  void expectError(const std::string& mask, const std::string& complaint) {
+    test::expectRefusal<DatasetError>([&] { read(mask); },
+                                      {"other.json record 0 (token ", "field 'instance_mask'", complaint});
   }
   NuscenesFixture fixture_{test::FixtureOptions::tablesOnly()};
   Tables tables_ = Tables::load(fixture_.dataroot());
@@ -230,7 +229,8 @@ TEST_F(InstanceMaskFiles, RowsOfOtherScenesAreLeftOut) {
 TEST_F(InstanceMaskFiles, AMissingFileIsNamed) {
   std::filesystem::remove(fixture_.table("nuinsseg"));
   EXPECT_FALSE(hasInstanceMasks(tables_));
-  expectDatasetError([&] { readInstanceMasks(tables_); }, {"v1.0-mini/nuinsseg.json", "cannot open"});
+  test::expectRefusal<DatasetError>([&] { readInstanceMasks(tables_); },
+                                    {"v1.0-mini/nuinsseg.json", "cannot open"});
 }
 
 }  // namespace

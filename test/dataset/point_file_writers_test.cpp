@@ -4,18 +4,16 @@
 
 #include <cmath>
 #include <cstring>
-#include <string>
 #include <vector>
 
-#include "dataset/expect_error.h"
 #include "fixtures/files.h"
 #include "fixtures/pcd_writer.h"
+#include "fixtures/refusal.h"
 #include "radar_dot/dataset/point_files.h"
+#include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::dataset {
 namespace {
-
-using test::expectDatasetError;
 
 constexpr const char* kFields[] = {"x",
                                    "y",
@@ -136,12 +134,15 @@ TEST_F(PointFileWriters, LidarRecordsComeBack) {
 
 TEST_F(PointFileWriters, FilesThatCannotBeWrittenAreNamed) {
   const std::filesystem::path nowhere = folder_.path() / "missing/points";
-  expectDatasetError([&] { writeRadarPcd(nowhere, {}); }, {nowhere.string(), "cannot write", "No such file"});
-  expectDatasetError([&] { writeLidarBin(nowhere, {}); }, {nowhere.string(), "cannot write", "No such file"});
+  test::expectRefusal<DatasetError>([&] { writeRadarPcd(nowhere, {}); },
+                                    {nowhere.string(), "cannot write", "No such file"});
+  test::expectRefusal<DatasetError>([&] { writeLidarBin(nowhere, {}); },
+                                    {nowhere.string(), "cannot write", "No such file"});
   // A device that is always full.
-  expectDatasetError([] { writeRadarPcd("/dev/full", someRecords(1)); }, {"/dev/full", "No space left"});
-  expectDatasetError([] { writeLidarBin("/dev/full", std::vector<LidarRecord>(50000)); },
-                     {"/dev/full", "No space left"});
+  test::expectRefusal<DatasetError>([] { writeRadarPcd("/dev/full", someRecords(1)); },
+                                    {"/dev/full", "No space left"});
+  test::expectRefusal<DatasetError>([] { writeLidarBin("/dev/full", std::vector<LidarRecord>(50000)); },
+                                    {"/dev/full", "No space left"});
 }
 
 }  // namespace

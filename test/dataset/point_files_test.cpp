@@ -9,14 +9,14 @@
 #include <limits>
 #include <random>
 
-#include "dataset/expect_error.h"
 #include "fixtures/files.h"
 #include "fixtures/pcd_writer.h"
+#include "fixtures/refusal.h"
+#include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::dataset {
 namespace {
 
-using test::expectDatasetError;
 using test::PcdContent;
 using test::PcdField;
 
@@ -29,10 +29,10 @@ class PointFiles : public ::testing::Test {
     test::writeFile(file_, text);
     return readPcd(file_);
   }
-  void expectError(const std::string& text, std::initializer_list<std::string_view> parts) {
+  void expectError(const std::string& text, const std::vector<std::string>& parts) {
     test::writeFile(file_, text);
-    expectDatasetError([&] { readPcd(file_); }, parts);
-    expectDatasetError([&] { readPcd(file_); }, {file_.string()});
+    test::expectRefusal<DatasetError>([&] { readPcd(file_); }, parts);
+    test::expectRefusal<DatasetError>([&] { readPcd(file_); }, {file_.string()});
   }
   test::TemporaryFolder folder_;
   std::filesystem::path file_ = folder_.path() / "points.pcd";
@@ -176,9 +176,11 @@ TEST_F(PointFiles, HugeCountsAreTruncationsNotAllocations) {
 }
 
 TEST_F(PointFiles, MissingFilesAreNamed) {
-  expectDatasetError([&] { readPcd(folder_.path() / "absent.pcd"); }, {"absent.pcd", "cannot open"});
-  expectDatasetError([&] { readLidarBin(folder_.path() / "absent.bin"); }, {"absent.bin", "cannot open"});
-  expectDatasetError([&] { readPcd(folder_.path()); }, {folder_.path().string()});
+  test::expectRefusal<DatasetError>([&] { readPcd(folder_.path() / "absent.pcd"); },
+                                    {"absent.pcd", "cannot open"});
+  test::expectRefusal<DatasetError>([&] { readLidarBin(folder_.path() / "absent.bin"); },
+                                    {"absent.bin", "cannot open"});
+  test::expectRefusal<DatasetError>([&] { readPcd(folder_.path()); }, {folder_.path().string()});
 }
 
 TEST_F(PointFiles, LidarRecordsOfFiveFloats) {
@@ -193,7 +195,8 @@ TEST_F(PointFiles, LidarRecordsOfFiveFloats) {
   EXPECT_EQ(scalar(cloud, 1, "intensity"), 9.0);
   EXPECT_EQ(scalar(cloud, 1, "ring"), 10.0);
   test::writeFile(file_, bytes.substr(0, 39));
-  expectDatasetError([&] { readLidarBin(file_); }, {"39 bytes are no multiple", file_.string()});
+  test::expectRefusal<DatasetError>([&] { readLidarBin(file_); },
+                                    {"39 bytes are no multiple", file_.string()});
   test::writeFile(file_, "");
   EXPECT_EQ(readLidarBin(file_).size, 0U);
 }

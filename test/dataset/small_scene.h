@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <string>
 
 #include "radar_dot/dataset/new_scene.h"
 

@@ -3,17 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <memory>
 #include <string>
 
-#include "dataset/expect_error.h"
 #include "fixtures/nuscenes_fixture.h"
+#include "fixtures/refusal.h"
 #include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::dataset {
 namespace {
 
-using test::expectDatasetError;
 using test::readFile;
 using test::replaceInFile;
 using test::writeFile;
@@ -21,8 +19,8 @@ using test::writeFile;
 /// A dataroot of its own for every test, into which the test puts one defect.
 class TablesErrors : public ::testing::Test {
  protected:
-  void expectError(std::initializer_list<std::string_view> parts, const LoadOptions& options = {}) const {
-    expectDatasetError([&] { Tables::load(fixture_.dataroot(), options); }, parts);
+  void expectError(const std::vector<std::string>& parts, const LoadOptions& options = {}) const {
+    test::expectRefusal<DatasetError>([&] { Tables::load(fixture_.dataroot(), options); }, parts);
   }
   std::string firstToken(std::string_view table) const {
     const std::string content = readFile(fixture_.table(table));
@@ -36,7 +34,8 @@ const std::string kUnknown = "0123456789abcdef0123456789abcdef";
 TEST_F(TablesErrors, SoundTablesLoad) { EXPECT_NO_THROW(Tables::load(fixture_.dataroot())); }
 
 TEST_F(TablesErrors, MissingDataroot) {
-  expectDatasetError([] { Tables::load("/nowhere/at/all"); }, {"dataroot /nowhere/at/all does not exist"});
+  test::expectRefusal<DatasetError>([] { Tables::load("/nowhere/at/all"); },
+                                    {"dataroot /nowhere/at/all does not exist"});
 }
 
 TEST_F(TablesErrors, MissingVersionListsTheOthers) {

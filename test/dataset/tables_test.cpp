@@ -24,16 +24,9 @@ class TablesTest : public ::testing::Test {
     fixture_ = std::make_unique<NuscenesFixture>(options);
     tables_ = std::make_unique<Tables>(Tables::load(fixture_->dataroot()));
   }
-  static void TearDownTestSuite() {
-    tables_.reset();
-    fixture_.reset();
-  }
-  static std::unique_ptr<NuscenesFixture> fixture_;
-  static std::unique_ptr<Tables> tables_;
+  static inline std::unique_ptr<NuscenesFixture> fixture_;
+  static inline std::unique_ptr<Tables> tables_;
 };
-
-std::unique_ptr<NuscenesFixture> TablesTest::fixture_;
-std::unique_ptr<Tables> TablesTest::tables_;
 
 /// Every reference must lead to a row; prev and next must be each other's inverse.
 void expectEveryReferenceToHold(const Tables& tables) {

@@ -7,10 +7,8 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
-#include <initializer_list>
 #include <map>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 #include "evaluation/simulated_dataroot.h"
@@ -30,21 +28,15 @@ class DepthEvaluation : public ::testing::Test {
     fs::copy(SIMULATED_DATAROOT, folder_->path(), fs::copy_options::recursive);
     dataroot_ = std::make_unique<test::SimulatedDataroot>(folder_->path());
   }
-  static void TearDownTestSuite() {
-    dataroot_.reset();
-    folder_.reset();
-  }
   static DepthReport evaluate(const std::string& depth, DepthTruth truth) {
     DepthEvaluationOptions options;
     options.depth.depth.backend = depth;
     options.truth = truth;
     return evaluateDepth(dataroot_->tables(), 0, options);
   }
-  static std::unique_ptr<test::TemporaryFolder> folder_;
-  static std::unique_ptr<test::SimulatedDataroot> dataroot_;
+  static inline std::unique_ptr<test::TemporaryFolder> folder_;
+  static inline std::unique_ptr<test::SimulatedDataroot> dataroot_;
 };
-std::unique_ptr<test::TemporaryFolder> DepthEvaluation::folder_;
-std::unique_ptr<test::SimulatedDataroot> DepthEvaluation::dataroot_;
 
 TEST_F(DepthEvaluation, TheTruthHasNoErrors) {
   const DepthReport report = evaluate("ground_truth", DepthTruth::kGroundTruth);
@@ -153,7 +145,7 @@ TEST_F(DepthEvaluation, TheFirstImagesOnly) {
 }
 
 TEST_F(DepthEvaluation, RefusesWhatItDoesNotKnow) {
-  const auto expect = [](const DepthEvaluationOptions& options, std::initializer_list<std::string> parts) {
+  const auto expect = [](const DepthEvaluationOptions& options, const std::vector<std::string>& parts) {
     test::expectRefusal<std::exception>([&options] { evaluateDepth(dataroot_->tables(), 0, options); },
                                         parts);
   };

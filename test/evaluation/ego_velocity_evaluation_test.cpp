@@ -8,11 +8,8 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <initializer_list>
 #include <opencv2/imgcodecs.hpp>
-#include <stdexcept>
 #include <string>
 
 #include "fixtures/files.h"
@@ -37,19 +34,13 @@ class Evaluation : public ::testing::Test {
     fixture_ = std::make_unique<NuscenesFixture>(longerDrive());
     tables_ = std::make_unique<dataset::Tables>(dataset::Tables::load(fixture_->dataroot()));
   }
-  static void TearDownTestSuite() {
-    tables_.reset();
-    fixture_.reset();
-  }
   static VelocityReport evaluate(const char* scene, const VelocityEvaluationOptions& options = {}) {
     return evaluateEgoVelocity(*tables_, tables_->findScene(scene), options);
   }
 
-  static std::unique_ptr<NuscenesFixture> fixture_;
-  static std::unique_ptr<dataset::Tables> tables_;
+  static inline std::unique_ptr<NuscenesFixture> fixture_;
+  static inline std::unique_ptr<dataset::Tables> tables_;
 };
-std::unique_ptr<NuscenesFixture> Evaluation::fixture_;
-std::unique_ptr<dataset::Tables> Evaluation::tables_;
 
 // Exact Doppler: with the right model nothing is left but single precision.
 TEST_F(Evaluation, ExactRadarGivesExactFigures) {
@@ -150,15 +141,14 @@ TEST_F(Evaluation, SavedMasksSpeakOnlyOnceKnownAndWithinTheirAge) {
   options.ego_velocity.mask_max_age = 1.1;
   EXPECT_NE(evaluate(NuscenesFixture::kStraightScene, options).mae.at("B1").sum, without.mae.at("B1").sum);
   options.ego_velocity.mask_max_age = -1.0;
-  test::expectRefusal<std::invalid_argument>([&] { evaluate(NuscenesFixture::kStraightScene, options); },
-                                             {"mask_max_age", "-1"});
+  test::expectRefusal([&] { evaluate(NuscenesFixture::kStraightScene, options); }, {"mask_max_age", "-1"});
 }
 
 TEST_F(Evaluation, MasksOfNothingAreNamed) {
   const test::TemporaryFolder folder;
   VelocityEvaluationOptions options;
   options.masks.directory = folder.path().string();
-  const auto expect = [&options](std::initializer_list<std::string> parts) {
+  const auto expect = [&options](const std::vector<std::string>& parts) {
     test::expectRefusal<dataset::DatasetError>(
         [&options] { evaluate(NuscenesFixture::kStraightScene, options); }, parts);
   };

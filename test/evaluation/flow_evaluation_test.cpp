@@ -6,10 +6,8 @@
 
 #include <cmath>
 #include <functional>
-#include <initializer_list>
 #include <limits>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -55,10 +53,6 @@ class FixtureFlowEvaluation : public ::testing::Test {
     FixtureFlow::write(*fixture_);
     tables_ = std::make_unique<dataset::Tables>(dataset::Tables::load(fixture_->dataroot(), {}));
   }
-  static void TearDownTestSuite() {
-    tables_.reset();
-    fixture_.reset();
-  }
   static FlowReport evaluate(const std::string& flow, int working_width = 160) {
     FlowEvaluationOptions options;
     options.optical_flow.flow.backend = flow;
@@ -66,11 +60,9 @@ class FixtureFlowEvaluation : public ::testing::Test {
     options.pairs.max_pairs = 2;
     return evaluateFlow(*tables_, 0, options);
   }
-  static std::unique_ptr<test::NuscenesFixture> fixture_;
-  static std::unique_ptr<dataset::Tables> tables_;
+  static inline std::unique_ptr<test::NuscenesFixture> fixture_;
+  static inline std::unique_ptr<dataset::Tables> tables_;
 };
-std::unique_ptr<test::NuscenesFixture> FixtureFlowEvaluation::fixture_;
-std::unique_ptr<dataset::Tables> FixtureFlowEvaluation::tables_;
 
 TEST_F(FixtureFlowEvaluation, AShiftIsTheErrorOnEveryGrid) {
   answerWith([](const cv::Size& size, const cv::Mat&) {
@@ -149,7 +141,7 @@ TEST_F(FixtureFlowEvaluation, TheTruthHasNoErrorFromFilesEither) {
 }
 
 TEST_F(FixtureFlowEvaluation, RefusesWhatItDoesNotKnow) {
-  const auto expect = [](const FlowEvaluationOptions& options, std::initializer_list<std::string> parts) {
+  const auto expect = [](const FlowEvaluationOptions& options, const std::vector<std::string>& parts) {
     test::expectRefusal<std::exception>([&options] { evaluateFlow(*tables_, 0, options); }, parts);
   };
   FlowEvaluationOptions options;
@@ -173,13 +165,11 @@ TEST_F(FixtureFlowEvaluation, RefusesWhatItDoesNotKnow) {
 class SimulatedFlowEvaluation : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { dataroot_ = std::make_unique<test::SimulatedDataroot>(); }
-  static void TearDownTestSuite() { dataroot_.reset(); }
   static FlowReport evaluate(const FlowEvaluationOptions& options, dataset::Index scene = 0) {
     return evaluateFlow(dataroot_->tables(), scene, options);
   }
-  static std::unique_ptr<test::SimulatedDataroot> dataroot_;
+  static inline std::unique_ptr<test::SimulatedDataroot> dataroot_;
 };
-std::unique_ptr<test::SimulatedDataroot> SimulatedFlowEvaluation::dataroot_;
 
 TEST_F(SimulatedFlowEvaluation, BothKindsOfPairsHaveTheirTruth) {
   for (const ImagePairs pairs : {ImagePairs::kKeyframes, ImagePairs::kNext}) {
@@ -223,7 +213,7 @@ class FlowPair : public ::testing::Test {
     test::writeFlow(files_.truth, flow);
     params_.backend = "known";
   }
-  void expectRefusal(std::initializer_list<std::string> parts) {
+  void expectRefusal(const std::vector<std::string>& parts) {
     test::expectRefusal<std::exception>([this] { evaluateFlow(files_, params_); }, parts);
   }
   test::TemporaryFolder folder_;

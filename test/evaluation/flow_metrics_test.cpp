@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include "fixtures/refusal.h"
 
@@ -107,8 +106,7 @@ TEST(FlowErrors, RefusesOtherTypesAndSizes) {
   const FlowField field = rowOf({{0, 0}, {0, 0}});
   const auto expect = [&field](const FlowField& estimate, const FlowField& truth, const cv::Mat& movers,
                                const cv::Size& image, const char* part) {
-    test::expectRefusal<std::invalid_argument>([&] { FlowErrors().add(estimate, truth, movers, image); },
-                                               {part});
+    test::expectRefusal([&] { FlowErrors().add(estimate, truth, movers, image); }, {part});
   };
   expect(rowOf({{0, 0}}), field, {}, {2, 1}, "the flow is 1x1");
   expect({}, {}, {}, {2, 1}, "not empty");

@@ -2,11 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
-#include <stdexcept>
 
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/refusal.h"
@@ -119,7 +117,7 @@ TEST_F(ObjectMasksTest, MasksSpeakOnceTheyAreKnown) {
   options.masks.delay = 0.55;
   EXPECT_EQ(evaluate(options).all().matched, 4U) << "the third mask is known after the fourth keyframe";
   options.objects.tracker.max_lag = 0.5;
-  test::expectRefusal<std::invalid_argument>([&] { evaluate(options); }, {"0.55", "max_lag"});
+  test::expectRefusal([&] { evaluate(options); }, {"0.55", "max_lag"});
 }
 
 TEST_F(ObjectMasksTest, SmallRegionsAreLeftOut) {
@@ -144,7 +142,7 @@ TEST_F(ObjectMasksTest, WhatIsMissingIsNamed) {
   options.depth_input.depth_directory = masks().string() + "/none";
   test::expectRefusal<dataset::DatasetError>([&] { evaluate(options); }, {masks().string() + "/none"});
   options.depth.depth.backend = "sonar";
-  test::expectRefusal<std::invalid_argument>([&] { evaluate(options); }, {"sonar"});
+  test::expectRefusal([&] { evaluate(options); }, {"sonar"});
 }
 
 }  // namespace

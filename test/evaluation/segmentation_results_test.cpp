@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -233,7 +232,7 @@ TEST_F(SegmentationFiles, ComparisonsSumUp) {
 TEST_F(SegmentationFiles, ComparisonsThatDoNotGoTogetherAreRefused) {
   const SegmentationReport a = report("scene-0001", 30, 60, 10, 100);
   const std::string plain = write("plain.json", formatJson(std::vector{a}, a));
-  const auto expect = [](const std::vector<std::string>& files, std::initializer_list<std::string> parts) {
+  const auto expect = [](const std::vector<std::string>& files, const std::vector<std::string>& parts) {
     test::expectRefusal<std::runtime_error>([&files] { mergeComparison(files); }, parts);
   };
   const std::string loop = write("loop.json", Variants::kLoop, {a});

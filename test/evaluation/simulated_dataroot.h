@@ -16,7 +16,8 @@ class SimulatedDataroot {
  public:
   /// @param dataroot  the drive itself, which tests share, or a copy
   explicit SimulatedDataroot(const std::filesystem::path& dataroot = SIMULATED_DATAROOT)
-      : tables_(load(dataroot)), masks_(dataset::readInstanceMasks(tables_)) {}
+      : tables_(dataset::Tables::load(dataroot, {"v1.0-sim", {}})),
+        masks_(dataset::readInstanceMasks(tables_)) {}
 
   const dataset::Tables& tables() const { return tables_; }
   std::vector<const dataset::InstanceMask*> masks() const {
@@ -26,12 +27,6 @@ class SimulatedDataroot {
   }
 
  private:
-  static dataset::Tables load(const std::filesystem::path& dataroot) {
-    dataset::LoadOptions options;
-    options.version = "v1.0-sim";
-    return dataset::Tables::load(dataroot, options);
-  }
-
   dataset::Tables tables_;
   std::vector<dataset::InstanceMask> masks_;
 };

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "fixtures/refusal.h"
@@ -86,18 +85,8 @@ TEST(PointsOf, EmptyCloudsAreNormal) {
 }
 
 TEST(PointsOf, NeedsThreeCoordinates) {
-  expectRefusal<std::invalid_argument>([] { pointsOf(floatCloud({"x", "y"}, {1.F, 2.F})); }, {"x, y;", "z"});
-  expectRefusal<std::invalid_argument>([] { pointsOf(floatCloud({"range"}, {1.F})); },
-                                       {"range", "x, y and z"});
-}
-
-TEST(PointsOf, RefusesSizesThatContradictEachOther) {
-  sensor_msgs::PointCloud2 cloud = floatCloud({"x", "y", "z"}, {1.F, 2.F, 3.F});
-  cloud.data.pop_back();
-  EXPECT_THROW(pointsOf(cloud), std::invalid_argument);
-  cloud = floatCloud({"x", "y", "z"}, {1.F, 2.F, 3.F});
-  cloud.point_step = 0;
-  EXPECT_THROW(pointsOf(cloud), std::invalid_argument);
+  expectRefusal([] { pointsOf(floatCloud({"x", "y"}, {1.F, 2.F})); }, {"x, y;", "z"});
+  expectRefusal([] { pointsOf(floatCloud({"range"}, {1.F})); }, {"range", "x, y and z"});
 }
 
 // The data are long enough for what would be read beyond the point: what is tested is the refusal.
@@ -109,7 +98,7 @@ TEST(PointsOf, RefusesFieldsThatDoNotFitIntoAPoint) {
     EXPECT_EQ(pointsOf(cloud).size(), 1U);
     for (sensor_msgs::PointField& field : cloud.fields)
       if (field.name == name) field.offset = 13;
-    expectRefusal<std::invalid_argument>([&] { pointsOf(cloud); }, {name});
+    expectRefusal([&] { pointsOf(cloud); }, {name});
   }
 }
 
@@ -117,7 +106,7 @@ TEST(PointsOf, RefusesFieldsOfNoKnownType) {
   for (const std::uint8_t type : {std::uint8_t{0}, std::uint8_t{9}}) {
     sensor_msgs::PointCloud2 cloud = floatCloud({"x", "y", "z"}, {1.F, 2.F, 3.F});
     cloud.fields[1].datatype = type;
-    expectRefusal<std::invalid_argument>([&] { pointsOf(cloud); }, {"y"});
+    expectRefusal([&] { pointsOf(cloud); }, {"y"});
   }
 }
 

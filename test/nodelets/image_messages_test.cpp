@@ -13,7 +13,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "fixtures/refusal.h"
 
@@ -107,9 +106,8 @@ TEST(PictureOf, DeepGreyStaysGreyOverTheWholeRange) {
 
 TEST(PictureOf, RefusesWhatIsNoPictureByItsEncoding) {
   for (const char* encoding : {"yuv9000", "", "32FC1"}) {
-    expectRefusal<std::invalid_argument>(
-        [&] { decodedImageOf(sensor_msgs::ImageConstPtr(imageOf(encoding, 4))); },
-        {"encoding '" + std::string(encoding) + "'"});
+    expectRefusal([&] { decodedImageOf(sensor_msgs::ImageConstPtr(imageOf(encoding, 4))); },
+                  {"encoding '" + std::string(encoding) + "'"});
   }
 }
 
@@ -125,9 +123,8 @@ TEST(PictureOf, RefusesSizesThatContradictTheData) {
   EXPECT_THROW(picture([](auto& message) { ++message.height; }), std::invalid_argument);
   EXPECT_THROW(picture([](auto& message) { message.width = 100; }), std::invalid_argument)
       << "its step is that of 5 pixels";
-  expectRefusal<std::invalid_argument>([&] { picture([](auto& message) { message.width = 0; }); }, {"empty"});
-  expectRefusal<std::invalid_argument>([&] { picture([](auto& message) { message.height = 0; }); },
-                                       {"empty"});
+  expectRefusal([&] { picture([](auto& message) { message.width = 0; }); }, {"empty"});
+  expectRefusal([&] { picture([](auto& message) { message.height = 0; }); }, {"empty"});
 }
 
 // In 32 bits, step times height is the 65536 bytes that are there.
@@ -151,8 +148,7 @@ TEST(PictureOf, ByteOrderMattersOnlyToDeepPixels) {
   const DecodedImage picture = decodedImageOf(sensor_msgs::ImageConstPtr(shallow));
   ASSERT_EQ(picture.pixels.type(), CV_8UC3);
   EXPECT_EQ(picture.pixels.at<cv::Vec3b>(1, 1), cv::Vec3b(16 + 3, 16 + 4, 16 + 5));
-  expectRefusal<std::invalid_argument>([&] { decodedImageOf(sensor_msgs::ImageConstPtr(deep)); },
-                                       {"byte order"});
+  expectRefusal([&] { decodedImageOf(sensor_msgs::ImageConstPtr(deep)); }, {"byte order"});
 }
 
 // Flat colours, so that JPEG leaves them nearly as they are.
@@ -198,11 +194,10 @@ TEST(PictureOf, RefusesBytesThatAreNoImage) {
   sensor_msgs::CompressedImage message = compressed("png", {1.0, 2.0, 3.0});
   message.format = "bgr8; png compressed bgr8";
   message.data.clear();
-  expectRefusal<std::invalid_argument>([&] { decodedImageOf(message, 3); },
-                                       {"bgr8; png compressed bgr8", "0 bytes"});
+  expectRefusal([&] { decodedImageOf(message, 3); }, {"bgr8; png compressed bgr8", "0 bytes"});
   message.data.assign(100, 0x5A);
   for (const int channels : {1, 3}) {
-    expectRefusal<std::invalid_argument>([&] { decodedImageOf(message, channels); }, {"100 bytes"});
+    expectRefusal([&] { decodedImageOf(message, channels); }, {"100 bytes"});
   }
   for (const char* format : {"jpg", "png"}) {
     message = compressed(format, {1.0, 2.0, 3.0});
@@ -244,21 +239,21 @@ TEST(DepthOf, RefusesTheOtherByteOrder) {
   for (const auto& [encoding, bytes] : {std::pair<const char*, std::uint32_t>{"32FC1", 4U}, {"16UC1", 2U}}) {
     const sensor_msgs::ImagePtr message = imageOf(encoding, bytes);
     message->is_bigendian = 1;
-    expectRefusal<std::invalid_argument>([&] { depthOf(*message); }, {"depth", "byte order"});
+    expectRefusal([&] { depthOf(*message); }, {"depth", "byte order"});
   }
 }
 
 TEST(DepthOf, RefusesOtherEncodingsAndSizes) {
   for (const char* encoding : {"mono8", "64FC1", "32FC2", "nonsense"}) {
-    expectRefusal<std::invalid_argument>([&] { depthOf(*imageOf(encoding, 8)); },
-                                         {"depth", "'" + std::string(encoding) + "'", "32FC1", "16UC1"});
+    expectRefusal([&] { depthOf(*imageOf(encoding, 8)); },
+                  {"depth", "'" + std::string(encoding) + "'", "32FC1", "16UC1"});
   }
   for (const auto& [encoding, bytes] : {std::pair<const char*, std::uint32_t>{"32FC1", 4U}, {"16UC1", 2U}}) {
     const sensor_msgs::ImagePtr message = imageOf(encoding, bytes);
     message->data.pop_back();
-    expectRefusal<std::invalid_argument>([&] { depthOf(*message); }, {"depth"});
+    expectRefusal([&] { depthOf(*message); }, {"depth"});
     message->width = 0;
-    expectRefusal<std::invalid_argument>([&] { depthOf(*message); }, {"depth", "empty"});
+    expectRefusal([&] { depthOf(*message); }, {"depth", "empty"});
   }
 }
 
@@ -316,14 +311,14 @@ TEST(FlowMessage, PartsOfLargerImagesAreSentWithoutTheRest) {
 }
 
 TEST(FlowOf, RefusesWhatContradictsItself) {
-  const auto expectRefused = [](auto change, std::initializer_list<std::string> parts) {
+  const auto expectRefused = [](auto change, const std::vector<std::string>& parts) {
     FlowField field = flowField();
     field.valid = cv::Mat(field.flow.size(), CV_8UC1, cv::Scalar(255));
     field.fb_error = cv::Mat(field.flow.size(), CV_32FC1, cv::Scalar(0.0));
     Flow message = *flowMessage({}, {}, field, {1600, 900});
     EXPECT_NO_THROW(flowOf(message));
     change(message);
-    expectRefusal<std::invalid_argument>([&] { flowOf(message); }, parts);
+    expectRefusal([&] { flowOf(message); }, parts);
   };
   expectRefused([](Flow& m) { m.flow.encoding = "32FC1"; }, {"flow", "'32FC1'", "32FC2"});
   expectRefused([](Flow& m) { m.flow.data.pop_back(); }, {"flow"});
@@ -345,10 +340,9 @@ TEST(DepthStdOf, SharesSharesOnly) {
   EXPECT_EQ(stds.data, message->data.data()) << "it was copied";
   EXPECT_EQ(stds.at<float>(2, 1), 0.25F);
   // Millimetres are no shares.
-  expectRefusal<std::invalid_argument>([] { depthStdOf(*imageOf("16UC1", 2)); },
-                                       {"depth uncertainty", "'16UC1'", "32FC1"});
+  expectRefusal([] { depthStdOf(*imageOf("16UC1", 2)); }, {"depth uncertainty", "'16UC1'", "32FC1"});
   message->width = 0;
-  expectRefusal<std::invalid_argument>([&] { depthStdOf(*message); }, {"empty"});
+  expectRefusal([&] { depthStdOf(*message); }, {"empty"});
 }
 
 TEST(FlowImageOf, SharesTheImageOfAnExpectedFlow) {
@@ -357,13 +351,13 @@ TEST(FlowImageOf, SharesTheImageOfAnExpectedFlow) {
   const cv::Mat flow = flowImageOf(*message);
   EXPECT_TRUE(equalBytes(flow, field.flow));
   EXPECT_EQ(flow.data, message->data.data()) << "it was copied";
-  expectRefusal<std::invalid_argument>([] { flowImageOf(*imageOf("32FC1", 4)); }, {"'32FC1'", "32FC2"});
+  expectRefusal([] { flowImageOf(*imageOf("32FC1", 4)); }, {"'32FC1'", "32FC2"});
 }
 
 TEST(FlowImageOf, RefusesTheOtherByteOrder) {
   const sensor_msgs::ImagePtr message = imageMessage({}, "32FC2", flowField().flow);
   message->is_bigendian = 1;
-  expectRefusal<std::invalid_argument>([&] { flowImageOf(*message); }, {"flow", "byte order"});
+  expectRefusal([&] { flowImageOf(*message); }, {"flow", "byte order"});
 }
 
 TEST(ImageMessage, HoldsHeaderEncodingAndPixels) {
@@ -410,7 +404,7 @@ TEST(CameraOf, RefusesCamerasThatSeeNothing) {
   const auto expectRefused = [](auto change) {
     sensor_msgs::CameraInfo info = cameraInfo();
     change(info);
-    expectRefusal<std::invalid_argument>([&] { cameraOf(info); }, {"camera_info"});
+    expectRefusal([&] { cameraOf(info); }, {"camera_info"});
   };
   expectRefused([](auto& info) { info.K[0] = 0.0; });
   expectRefused([](auto& info) { info.K[4] = 0.0; });

@@ -50,9 +50,9 @@ TEST(CheckHeader, NamesWhatIsWrong) {
   EXPECT_NO_THROW(checkHeader(headerAt(100.9), kNow)) << "clocks differ a little";
   EXPECT_NO_THROW(checkHeader(headerAt(5.0), kNow)) << "an old stamp is for the order of stamps to judge";
   EXPECT_NO_THROW(checkHeader(headerAt(5.0), ros::Time())) << "a clock at zero says nothing";
-  expectRefusal<std::invalid_argument>([] { checkHeader(headerAt(100.0, ""), kNow); }, {"frame_id is empty"});
-  expectRefusal<std::invalid_argument>([] { checkHeader(headerAt(0.0), kNow); }, {"stamp is zero"});
-  expectRefusal<std::invalid_argument>([] { checkHeader(headerAt(101.5), kNow); }, {"ahead of the clock"});
+  expectRefusal([] { checkHeader(headerAt(100.0, ""), kNow); }, {"frame_id is empty"});
+  expectRefusal([] { checkHeader(headerAt(0.0), kNow); }, {"stamp is zero"});
+  expectRefusal([] { checkHeader(headerAt(101.5), kNow); }, {"ahead of the clock"});
 }
 
 TEST(InputMonitor, KnowsItsNameAndTopic) {
@@ -68,7 +68,7 @@ TEST(InputMonitor, AcceptsRisingStampsAndRefusesTheOthers) {
   EXPECT_TRUE(monitor.accept(headerAt(99.0), kNow));
   EXPECT_TRUE(monitor.accept(headerAt(99.1), kNow));
   for (const double stale : {99.1, 99.05, 50.0}) {
-    expectRefusal<std::invalid_argument>([&] { monitor.accept(headerAt(stale), kNow); }, {"stamp not newer"});
+    expectRefusal([&] { monitor.accept(headerAt(stale), kNow); }, {"stamp not newer"});
   }
   EXPECT_TRUE(monitor.accept(headerAt(99.2), kNow));
 }

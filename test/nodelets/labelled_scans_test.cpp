@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -74,32 +73,21 @@ TEST(LabelledScans, AfterItsTimeAScanGoesWithWhatThereIs) {
   ASSERT_EQ(ready.size(), 1U);
   EXPECT_FALSE(ready[0].complete());
   EXPECT_EQ(ready[0].moving->size(), 1U);
-  expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 10.0, {}), kStatic, {}); },
-                                       {"already used"});
+  expectRefusal([&] { scans.add(cloudOf("front", 10.0, {}), kStatic, {}); }, {"already used"});
 }
 
 TEST(LabelledScans, CloudsOfNoUseAreRefused) {
   LabelledScans scans;
-  expectRefusal<std::invalid_argument>(
-      [&] {
-        scans.add(cloudOf("front", 10.0, {1.F, 2.F, 3.F}, 3), kStatic, {});
-      },
-      {"residual"});
-  expectRefusal<std::invalid_argument>(
-      [&] {
-        scans.add(cloudOf("front", 10.0, {1.F, 2.F, 3.F, kNaN}), kStatic, {});
-      },
-      {"residual"});
+  expectRefusal([&] { scans.add(cloudOf("front", 10.0, {1.F, 2.F, 3.F}, 3), kStatic, {}); }, {"residual"});
+  expectRefusal([&] { scans.add(cloudOf("front", 10.0, {1.F, 2.F, 3.F, kNaN}), kStatic, {}); }, {"residual"});
   sensor_msgs::PointCloud2 broken = cloudOf("front", 10.0, {1.F, 2.F, 3.F, 0.F});
   broken.data.pop_back();
-  expectRefusal<std::invalid_argument>([&] { scans.add(broken, kStatic, {}); }, {"bytes of data"});
+  expectRefusal([&] { scans.add(broken, kStatic, {}); }, {"bytes of data"});
   scans.add(cloudOf("front", 10.0, {}), kStatic, {});
-  expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 10.0, {}), kStatic, {}); },
-                                       {"that of the cloud before"});
+  expectRefusal([&] { scans.add(cloudOf("front", 10.0, {}), kStatic, {}); }, {"that of the cloud before"});
   scans.add(cloudOf("front", 10.0, {}), kDynamic, {});
   scans.take(kPatient, {});
-  expectRefusal<std::invalid_argument>([&] { scans.add(cloudOf("front", 9.0, {}), kStatic, {}); },
-                                       {"already used"});
+  expectRefusal([&] { scans.add(cloudOf("front", 9.0, {}), kStatic, {}); }, {"already used"});
   scans.clear();
   scans.add(cloudOf("front", 9.0, {}), kStatic, {});
   scans.add(cloudOf("front", 9.0, {}), kDynamic, {});

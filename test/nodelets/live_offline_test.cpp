@@ -16,7 +16,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
@@ -25,11 +24,11 @@
 #include "evaluation/scene_motion.h"
 #include "evaluation/segmentation_images.h"
 #include "fixtures/files.h"
-#include "fixtures/tool_run.h"
 #include "live_graph.h"
 #include "nodelets/inputs/extrinsics.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "radar_dot/radar/sweep_estimator.h"
+#include "simulated_bag.h"
 #include "vision_world.h"
 
 namespace radar_dot::test {
@@ -41,25 +40,6 @@ using sensor_msgs::PointCloud2;
 
 constexpr double kPatience = 30.0;  // s; machines are slow at times
 constexpr const char* kRadars[] = {"back_left", "back_right", "front", "front_left", "front_right"};
-
-/// Keyframes alone, so that live and offline have the same pairs.
-fs::path simulatedBag(const fs::path& folder) {
-  const std::string drive = (folder / "drive").string();
-  const Outcome simulation = runCommand(std::string(SIMULATOR) + " --output " + drive +
-                                        " --scenarios oncoming --duration 3 --frames keyframes --lidar-rate 2"
-                                        " --width 320 --height 180 --ground-truth keyframes");
-  EXPECT_EQ(simulation.exit_code, 0) << simulation.text;
-  const Outcome conversion = runCommand(std::string(CONVERTER) + " --dataroot " + drive +
-                                        " --version v1.0-sim --output " + folder.string());
-  EXPECT_EQ(conversion.exit_code, 0) << conversion.text;
-  return folder / "scene-0004.bag";
-}
-
-dataset::Tables tablesOf(const fs::path& dataroot) {
-  dataset::LoadOptions options;
-  options.version = "v1.0-sim";
-  return dataset::Tables::load(dataroot, options);
-}
 
 /// Everything that a mask can be made of.
 evaluation::SegmentationEvaluationOptions offlineOptions(const fs::path& masks) {
@@ -211,9 +191,12 @@ class LiveDrive {
 
 TEST(LiveAndOffline, TwistsAndMasksAreTheSame) {
   const TemporaryFolder folder;
-  const fs::path file = simulatedBag(folder.path());
+  // Keyframes alone, so that live and offline have the same pairs.
+  const fs::path file =
+      simulatedBag(folder.path(), "scene-0004",
+                   "--scenarios oncoming --duration 3 --frames keyframes --width 320 --height 180");
   ASSERT_TRUE(fs::exists(file));
-  const dataset::Tables tables = tablesOf(folder.path() / "drive");
+  const dataset::Tables tables = dataset::Tables::load(folder.path() / "drive", {"v1.0-sim", {}});
   const evaluation::SegmentationEvaluationOptions options = offlineOptions(folder.path() / "masks");
   fs::create_directories(options.mask_directory);
   const evaluation::SegmentationReport report = evaluation::evaluateSegmentation(tables, 0, {}, options);

@@ -9,7 +9,6 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "fixtures/files.h"
 #include "live_graph.h"

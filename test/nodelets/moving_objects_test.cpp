@@ -9,9 +9,6 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <memory>
 #include <set>
 #include <string>
@@ -144,9 +141,9 @@ class MovingObjectsTest : public ::testing::Test {
     });
   }
 
-  static std::unique_ptr<ros::NodeHandle> handle_;
-  static std::unique_ptr<ObjectScene> scene_;
-  static double time_;  // s since the beginning of the scene
+  static inline std::unique_ptr<ros::NodeHandle> handle_;
+  static inline std::unique_ptr<ObjectScene> scene_;
+  static inline double time_ = 0.0;  // s since the beginning of the scene
 
   Recorder<MovingObjects> objects_{*handle_, "dynamic/objects"}, in_base_{*handle_, "in_base/objects"},
       misspelt_{*handle_, "misspelt/objects"};
@@ -155,10 +152,6 @@ class MovingObjectsTest : public ::testing::Test {
   Recorder<rosgraph_msgs::Log> log_{*handle_, "/rosout"};
   Diagnostics diagnostics_{*handle_};
 };
-
-std::unique_ptr<ros::NodeHandle> MovingObjectsTest::handle_;
-std::unique_ptr<ObjectScene> MovingObjectsTest::scene_;
-double MovingObjectsTest::time_ = 0.0;
 
 TEST_F(MovingObjectsTest, ACrossingCarHasItsPositionAndVelocityAndOneId) {
   addCar();

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <string>
@@ -57,25 +57,29 @@ std::set<std::pair<std::string, int>> keysOf(const MarkerArray& array, int actio
   return keys;
 }
 
+/// Covariances row by row.
+void expectState(const MovingObject& object, const Eigen::Vector3d& position, const Eigen::Vector2d& velocity,
+                 const std::array<double, 4>& position_covariance,
+                 const std::array<double, 4>& velocity_covariance) {
+  EXPECT_NEAR(object.position.x, position.x(), 1e-12);
+  EXPECT_NEAR(object.position.y, position.y(), 1e-12);
+  EXPECT_EQ(object.position.z, position.z());
+  EXPECT_NEAR(object.velocity.x, velocity.x(), 1e-12);
+  EXPECT_NEAR(object.velocity.y, velocity.y(), 1e-12);
+  EXPECT_EQ(object.velocity.z, 0.0);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(object.position_covariance[i], position_covariance[i], 1e-12) << i;
+    EXPECT_NEAR(object.velocity_covariance[i], velocity_covariance[i], 1e-12) << i;
+  }
+}
+
 TEST(ObjectMessage, InTheFrameOfTheOdometryTheStateIsAsItIs) {
   FrameOfObjects frame;
   frame.height = 0.75;
   const MovingObject object = objectMessage(exampleTrack(), ros::Time(kTime), frame, 1.0);
   EXPECT_EQ(object.id, 5'000'000'007U);
   EXPECT_EQ(object.stamp, ros::Time(kTime));
-  EXPECT_EQ(object.position.x, 3.0);
-  EXPECT_EQ(object.position.y, 4.0);
-  EXPECT_EQ(object.position.z, 0.75);
-  EXPECT_EQ(object.velocity.x, 1.0);
-  EXPECT_EQ(object.velocity.y, 2.0);
-  EXPECT_EQ(object.velocity.z, 0.0);
-  EXPECT_EQ(object.position_covariance[0], 4.0);
-  EXPECT_EQ(object.position_covariance[1], 1.0);
-  EXPECT_EQ(object.position_covariance[2], 1.0);
-  EXPECT_EQ(object.position_covariance[3], 9.0);
-  EXPECT_EQ(object.velocity_covariance[0], 0.5);
-  EXPECT_EQ(object.velocity_covariance[1], 0.25);
-  EXPECT_EQ(object.velocity_covariance[3], 0.75);
+  expectState(object, {3.0, 4.0, 0.75}, {1.0, 2.0}, {4.0, 1.0, 1.0, 9.0}, {0.5, 0.25, 0.25, 0.75});
   EXPECT_EQ(object.first_seen, ros::Time(990.5));
   EXPECT_EQ(object.last_seen, ros::Time(999.75));
   EXPECT_EQ(object.detections, 42U);
@@ -88,18 +92,7 @@ TEST(ObjectMessage, AnotherFrameTurnsPositionVelocityAndCovariances) {
   frame.T_frame_from_odom.linear() = Eigen::Rotation2Dd(std::acos(-1.0) / 2.0).toRotationMatrix();
   frame.T_frame_from_odom.translation() = Eigen::Vector2d(10.0, 20.0);
   const MovingObject object = objectMessage(exampleTrack(), ros::Time(kTime), frame, 1.0);
-  EXPECT_NEAR(object.position.x, 6.0, 1e-12);
-  EXPECT_NEAR(object.position.y, 23.0, 1e-12);
-  EXPECT_EQ(object.position.z, 0.0);
-  EXPECT_NEAR(object.velocity.x, -2.0, 1e-12);
-  EXPECT_NEAR(object.velocity.y, 1.0, 1e-12);
-  EXPECT_NEAR(object.position_covariance[0], 9.0, 1e-12);
-  EXPECT_NEAR(object.position_covariance[1], -1.0, 1e-12);
-  EXPECT_NEAR(object.position_covariance[2], -1.0, 1e-12);
-  EXPECT_NEAR(object.position_covariance[3], 4.0, 1e-12);
-  EXPECT_NEAR(object.velocity_covariance[0], 0.75, 1e-12);
-  EXPECT_NEAR(object.velocity_covariance[1], -0.25, 1e-12);
-  EXPECT_NEAR(object.velocity_covariance[3], 0.5, 1e-12);
+  expectState(object, {6.0, 23.0, 0.0}, {-2.0, 1.0}, {9.0, -1.0, -1.0, 4.0}, {0.75, -0.25, -0.25, 0.5});
 }
 
 TEST(ObjectMessage, ABoxIsToldAsLongAsItsImageIsYoungEnough) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "fixtures/refusal.h"
 #include "nodelets/toy_config.h"
 
 namespace radar_dot {
@@ -99,18 +100,13 @@ TEST(ReconfigureMessages, RequestChangesOnlyWhatItNames) {
 }
 
 TEST(ReconfigureMessages, RefusedRequests) {
-  const auto refusal = [](auto member, const char* name, const auto& value) -> std::string {
+  const auto refusal = [](auto member, const char* name, const auto& value) {
     Config request;
     (request.*member).resize(1);
     (request.*member)[0].name = name;
     (request.*member)[0].value = value;
     ToyConfig config;
-    try {
-      writeRequest(request, fieldsOf(config));
-    } catch (const InvalidParameter& error) {
-      return error.what();
-    }
-    return "accepted";
+    return test::refusalOf<InvalidParameter>([&] { writeRequest(request, fieldsOf(config)); });
   };
   EXPECT_EQ(refusal(&Config::doubles, "near", -1.0), "near is -1, must be between 0 and 1000 m");
   EXPECT_EQ(refusal(&Config::ints, "lanes", 9), "lanes is 9, must be between 1 and 8");

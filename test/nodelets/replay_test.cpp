@@ -85,11 +85,10 @@ class ReplayTest : public ::testing::Test {
 
   static const SyntheticDrive drive_;
   static std::map<ScanKey, sensor_msgs::PointCloud2> scans_;
-  static std::unique_ptr<Recording> recording_;
+  static inline std::unique_ptr<Recording> recording_;
 };
 const SyntheticDrive ReplayTest::drive_;
 std::map<ScanKey, sensor_msgs::PointCloud2> ReplayTest::scans_;
-std::unique_ptr<Recording> ReplayTest::recording_;
 
 TEST_F(ReplayTest, TwistIsTheTruthAtTheStampOfAScan) {
   const auto twists = recording_->twists.messages();

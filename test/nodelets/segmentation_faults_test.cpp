@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -150,14 +149,13 @@ class SegmentationFaults : public testing::Test {
     Diagnostics diagnostics{handle};
     LiveWorld world{handle};
   };
-  static std::unique_ptr<Graph> graph_;
+  static inline std::unique_ptr<Graph> graph_;
   ros::NodeHandle& handle_ = graph_->handle;
   Recorder<Image>&masks_ = graph_->masks, &valids_ = graph_->valids, &residuals_ = graph_->residuals,
   &unaided_ = graph_->unaided;
   Diagnostics& diagnostics_ = graph_->diagnostics;
   LiveWorld& world_ = graph_->world;
 };
-std::unique_ptr<SegmentationFaults::Graph> SegmentationFaults::graph_;
 
 TEST_F(SegmentationFaults, MaskAtThePreviousImageIsExact) { expectExact(false); }
 

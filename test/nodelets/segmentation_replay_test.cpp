@@ -5,24 +5,24 @@
 // long do they take? The latency is printed and not judged: the machine may be busy.
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
 #include "fixtures/files.h"
-#include "fixtures/tool_run.h"
 #include "live_graph.h"
+#include "simulated_bag.h"
 #include "vision_world.h"
 
 namespace radar_dot::test {
@@ -32,28 +32,41 @@ namespace fs = std::filesystem;
 using sensor_msgs::CompressedImage;
 using sensor_msgs::Image;
 
-// The vehicle stands, traffic crosses: the largest masks of all scenarios.
-constexpr const char* kScenario = "standing";
-constexpr const char* kScene = "scene-0006";
-constexpr const char* kDuration = "4";  // s
+using Images = std::map<ros::Time, boost::shared_ptr<const CompressedImage>>;  // by their stamps
 
-/// Arrival of every mask by its stamp, s of the replay's clock.
-class Arrivals {
+Images imagesOf(const rosbag::Bag& bag, const std::string& topic) {
+  Images images;
+  rosbag::View view(bag, rosbag::TopicQuery(topic));
+  for (const rosbag::MessageInstance& message : view) {
+    const auto image = message.instantiate<CompressedImage>();
+    images[image->header.stamp] = image;
+  }
+  return images;
+}
+
+/// The masks of a replay by their stamps.
+class Masks {
  public:
-  explicit Arrivals(ros::NodeHandle& handle)
-      : subscriber_(
-            handle.subscribe<Image>("dynamic/mask", 100, [this](const sensor_msgs::ImageConstPtr& mask) {
-              const std::lock_guard<std::mutex> lock(mutex_);
-              arrivals_[mask->header.stamp] = ros::Time::now();
-            })) {}
-  std::map<ros::Time, ros::Time> all() const {
+  struct Arrived {
+    sensor_msgs::ImageConstPtr mask;
+    ros::Time arrival;  // of the replay's clock
+  };
+  explicit Masks(ros::NodeHandle& handle)
+      : subscriber_(handle.subscribe("dynamic/mask", 100, &Masks::add, this)) {}
+  bool connected() const { return subscriber_.getNumPublishers() > 0; }
+  std::map<ros::Time, Arrived> all() const {
     const std::lock_guard<std::mutex> lock(mutex_);
-    return arrivals_;
+    return masks_;
   }
 
  private:
+  void add(const sensor_msgs::ImageConstPtr& mask) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    EXPECT_TRUE(masks_.insert({mask->header.stamp, {mask, ros::Time::now()}}).second) << "sent twice";
+  }
+
   mutable std::mutex mutex_;
-  std::map<ros::Time, ros::Time> arrivals_;
+  std::map<ros::Time, Arrived> masks_;
   ros::Subscriber subscriber_;
 };
 
@@ -62,92 +75,80 @@ double percentile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-/// Simulates the drive and converts it. @return the bag
-fs::path simulatedBag(const fs::path& folder) {
-  const std::string drive = (folder / "drive").string();
-  const Outcome simulation =
-      runCommand(std::string(SIMULATOR) + " --output " + drive + " --scenarios " + kScenario +
-                 " --duration " + kDuration + " --lidar-rate 2 --ground-truth keyframes");
-  EXPECT_EQ(simulation.exit_code, 0) << simulation.text;
-  const Outcome conversion = runCommand(std::string(CONVERTER) + " --dataroot " + drive +
-                                        " --version v1.0-sim --output " + folder.string());
-  EXPECT_EQ(conversion.exit_code, 0) << conversion.text;
-  return folder / (std::string(kScene) + ".bag");
-}
-
 /// Overlap of the masks with the annotated ones, over all pixels.
-double overallIou(const std::vector<boost::shared_ptr<const Image>>& masks,
-                  const std::vector<boost::shared_ptr<const CompressedImage>>& truths,
+double overallIou(const std::map<ros::Time, Masks::Arrived>& masks, const Images& truths,
                   std::size_t& compared) {
   double both = 0.0, either = 0.0;
   compared = 0;
-  for (const auto& truth : truths) {
-    for (const auto& mask : masks) {
-      if (mask->header.stamp != truth->header.stamp) continue;
-      const cv::Mat actual = cv::imdecode(truth->data, cv::IMREAD_GRAYSCALE) != 0;
-      const cv::Mat predicted = matOf(*mask, CV_8UC1) != 0;
-      EXPECT_EQ(predicted.size(), actual.size());
-      both += cv::countNonZero(predicted & actual);
-      either += cv::countNonZero(predicted | actual);
-      ++compared;
-    }
+  for (const auto& [stamp, truth] : truths) {
+    const auto found = masks.find(stamp);
+    if (found == masks.end()) continue;
+    const cv::Mat actual = cv::imdecode(truth->data, cv::IMREAD_GRAYSCALE) != 0;
+    const cv::Mat predicted = matOf(*found->second.mask, CV_8UC1) != 0;
+    EXPECT_EQ(predicted.size(), actual.size());
+    both += cv::countNonZero(predicted & actual);
+    either += cv::countNonZero(predicted | actual);
+    ++compared;
   }
   return either > 0.0 ? both / either : 0.0;
 }
 
 TEST(SegmentationReplay, MasksAreRightAndKeepUp) {
   const TemporaryFolder folder;
-  const fs::path bag = simulatedBag(folder.path());
-  ASSERT_TRUE(fs::exists(bag));
+  // The vehicle stands, traffic crosses: the largest masks of all scenarios.
+  const fs::path file = simulatedBag(folder.path(), "scene-0006", "--scenarios standing --duration 4");
+  ASSERT_TRUE(fs::exists(file));
+  const rosbag::Bag bag(file.string());
+  const Images images = imagesOf(bag, "/cam_front/image/compressed");
+  const Images truths = imagesOf(bag, "/ground_truth/dynamic_mask/compressed");
+  ASSERT_GT(truths.size(), 5U);
+  const std::size_t pairs = images.size() - 1;
 
   ros::NodeHandle handle;
-  const Recorder<Image> masks(handle, "dynamic/mask");
-  const Recorder<CompressedImage> truths(handle, "ground_truth/dynamic_mask/compressed");
-  const Recorder<CompressedImage> images(handle, "cam_front/image/compressed");
-  const Recorder<nav_msgs::Odometry> odometry(handle, "odom");
-  const Arrivals arrivals(handle);
-  Diagnostics diagnostics(handle);
-  ASSERT_TRUE(waitUntil([&] { return masks.connected() && odometry.connected(); }));
+  const Diagnostics diagnostics(handle);
+  std::map<ros::Time, Masks::Arrived> masks;
+  std::size_t compared = 0, poses = 0;
+  double iou = 0.0, rate = 2.0;
+  // Pairs are left out where the machine is busy. Where that costs annotated images, it gets more time.
+  while (compared + 1 < truths.size() && rate > 0.2) {
+    rate *= 0.5;
+    const Masks arriving(handle);
+    const Recorder<nav_msgs::Odometry> odometry(handle, "odom");
+    ASSERT_TRUE(waitUntil([&] { return arriving.connected() && odometry.connected(); }));
+    BagPlayer player({"--clock", "--delay=2", "--rate=" + std::to_string(rate), file.string()});
+    ASSERT_EQ(player.wait(120.0), 0);
+    // The last pair may still be under way.
+    waitUntil([&] { return arriving.all().size() == pairs; }, 3.0);
+    masks = arriving.all();
+    poses = odometry.count();
+    iou = overallIou(masks, truths, compared);
+  }
 
-  BagPlayer player({"--clock", "--delay=2", bag.string()});
-  ASSERT_EQ(player.wait(120.0), 0);
-  const std::size_t pairs = images.count() - 1;
-  // The last pair may still be under way.
-  waitUntil([&] { return masks.count() >= pairs; }, 3.0);
-
-  // A pair is left out where the machine is busy, but the masks do not fall behind.
-  EXPECT_GE(masks.count(), pairs / 2);
-  EXPECT_LE(masks.count(), pairs);
-  std::vector<double> latencies;
-  std::map<ros::Time, ros::Time> next;  // stamp of the image after each one
-  const auto sent = images.messages();
-  for (std::size_t i = 0; i + 1 < sent.size(); ++i) next[sent[i]->header.stamp] = sent[i + 1]->header.stamp;
-  for (const auto& [stamp, arrival] : arrivals.all()) {
-    ASSERT_EQ(next.count(stamp), 1U) << "a mask without an image";
-    latencies.push_back((arrival - next[stamp]).toSec());
+  std::vector<double> latencies;  // s, wall time
+  for (const auto& [stamp, arrived] : masks) {
+    const auto first = images.find(stamp);
+    ASSERT_TRUE(first != images.end() && std::next(first) != images.end()) << "a mask without a pair";
+    latencies.push_back((arrived.arrival - std::next(first)->first).toSec() / rate);
   }
   ASSERT_FALSE(latencies.empty());
-  std::cout << "masks: " << masks.count() << " of " << pairs
+  std::cout << "masks at " << rate << " times the speed: " << masks.size() << " of " << pairs
             << " pairs; latency from the stamp of the later image: median "
             << 1e3 * percentile(latencies, 0.5) << " ms, 95 % " << 1e3 * percentile(latencies, 0.95)
-            << " ms\n";
+            << " ms\nIoU over " << compared << " annotated images: " << iou << '\n';
   // Into the test's result file, where scripts/test finds it.
-  RecordProperty("masks", static_cast<int>(masks.count()));
+  RecordProperty("speed_percent", static_cast<int>(100.0 * rate));
+  RecordProperty("masks", static_cast<int>(masks.size()));
   RecordProperty("pairs", static_cast<int>(pairs));
   RecordProperty("latency_median_ms", static_cast<int>(1e3 * percentile(latencies, 0.5)));
   RecordProperty("latency_95_percent_ms", static_cast<int>(1e3 * percentile(latencies, 0.95)));
+  RecordProperty("iou_percent", static_cast<int>(100.0 * iou));
   const auto half = static_cast<std::ptrdiff_t>(latencies.size() / 2);
   const double early = percentile({latencies.begin(), latencies.begin() + half}, 0.5);
   const double late = percentile({latencies.begin() + half, latencies.end()}, 0.5);
   EXPECT_LT(late - early, 0.5) << "a queue grows";
-
-  std::size_t compared = 0;
-  const double iou = overallIou(masks.messages(), truths.messages(), compared);
-  std::cout << "IoU over " << compared << " annotated images: " << iou << '\n';
-  RecordProperty("iou_percent", static_cast<int>(100.0 * iou));
-  EXPECT_GE(compared, truths.count() / 2);
-  EXPECT_GT(iou, 0.38);  // 0.46, where no pair is dropped
-  EXPECT_GT(odometry.count(), 30U);
+  EXPECT_GE(compared + 1, truths.size());
+  EXPECT_GT(iou, 0.38);  // 0.42
+  EXPECT_GT(poses, 30U);
   // Before the drive begins they rightly miss their input.
   EXPECT_FALSE(diagnostics.seen("decode_image: decoder", diagnostic_msgs::DiagnosticStatus::ERROR));
 }

@@ -1,19 +1,22 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What all nodelets have in common, with nodelets in this process.
+// What all nodelets have in common, with nodelets in this process, and inputs that need topics.
 #include "nodelets/common/stream_nodelet.h"
 
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
 #include <nodelet/loader.h>
+#include <ros/callback_queue.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include <algorithm>
 #include <atomic>
 #include <optional>
 #include <stdexcept>
 
 #include "live_graph.h"
+#include "nodelets/inputs/rotation_source.h"
 #include "vision_world.h"
 
 namespace radar_dot::test {
@@ -69,20 +72,7 @@ class SlowNodelet : public ConfiguredNodelet<StreamParams> {
 };
 std::atomic<bool> SlowNodelet::wants_extra{false};
 
-class StreamNodeletTest : public ::testing::Test {
- protected:
-  bool diagnosed(const std::string& name, int level, const std::string& text) const {
-    return waitUntil([&] {
-      const Diagnostics::Status status = diagnostics_.latest(name);
-      return status.level == level && status.message.find(text) != std::string::npos;
-    });
-  }
-
-  ros::NodeHandle handle_;
-  Diagnostics diagnostics_{handle_};
-};
-
-class SlowNodeletTest : public StreamNodeletTest {
+class SlowNodeletTest : public ::testing::Test {
  protected:
   SlowNodeletTest() {
     SlowNodelet::wants_extra = false;
@@ -96,6 +86,8 @@ class SlowNodeletTest : public StreamNodeletTest {
     ASSERT_TRUE(loader_.load("/slow", "slow", {}, {}));
   }
 
+  ros::NodeHandle handle_;
+  Diagnostics diagnostics_{handle_};
   Calls calls_;
   bool fails_ = false;
   std::vector<ros::Publisher> inputs_;
@@ -110,7 +102,7 @@ TEST_F(SlowNodeletTest, NothingIsServedBeforeTheSetUpIsComplete) {
   EXPECT_TRUE(waitUntil([this] { return calls_.messages > 0 && calls_.ticks > 0 && calls_.reports > 0; }))
       << calls_.messages << " messages, " << calls_.ticks << " ticks, " << calls_.reports << " reports";
   EXPECT_EQ(calls_.early, 0);
-  EXPECT_TRUE(diagnosed("slow: slow", diagnostic_msgs::DiagnosticStatus::OK, "working"));
+  EXPECT_TRUE(diagnostics_.says("slow: slow", diagnostic_msgs::DiagnosticStatus::OK, "working"));
 }
 
 TEST_F(SlowNodeletTest, AnOptionalInputIsSubscribedWhileItIsWanted) {
@@ -126,22 +118,23 @@ TEST_F(SlowNodeletTest, AnOptionalInputIsSubscribedWhileItIsWanted) {
   EXPECT_EQ(inputs_[0].getNumSubscribers(), 1U);
   output_.reset();
   EXPECT_TRUE(waitUntil([this] { return inputs_[0].getNumSubscribers() == 0; }));
-  EXPECT_TRUE(diagnosed("slow: slow", diagnostic_msgs::DiagnosticStatus::OK, "idle: no subscribers"));
+  EXPECT_TRUE(diagnostics_.says("slow: slow", diagnostic_msgs::DiagnosticStatus::OK, "idle: no subscribers"));
 }
 
 TEST_F(SlowNodeletTest, ASetUpThatFailsIsReportedAndNothingIsServed) {
   load(true);
-  EXPECT_TRUE(diagnosed("slow: slow", diagnostic_msgs::DiagnosticStatus::ERROR, "no network"));
+  EXPECT_TRUE(diagnostics_.says("slow: slow", diagnostic_msgs::DiagnosticStatus::ERROR, "no network"));
   EXPECT_EQ(calls_.messages + calls_.ticks + calls_.reports, 0);
 }
 
-TEST_F(StreamNodeletTest, DepthServesASubscriberThatWaited) {
-  const Recorder<Image> depths(handle_, "depth");
+TEST(StreamNodeletTest, DepthServesASubscriberThatWaited) {
+  ros::NodeHandle handle;
+  const Recorder<Image> depths(handle, "depth");
   tf2_ros::StaticTransformBroadcaster broadcaster;
   broadcaster.sendTransform(VisionWorld::mount());
-  ros::Publisher camera = handle_.advertise<CameraInfo>("camera_info", 1, true);
+  ros::Publisher camera = handle.advertise<CameraInfo>("camera_info", 1, true);
   camera.publish(VisionWorld::cameraInfo(ros::Time::now()));
-  ros::Publisher images = handle_.advertise<Image>("image", 1);
+  ros::Publisher images = handle.advertise<Image>("image", 1);
   nodelet::Loader loader(false);
   ASSERT_TRUE(loader.load("/depth", "radar_dot/Depth", {}, {}));
   EXPECT_TRUE(waitUntil([&] {
@@ -150,9 +143,10 @@ TEST_F(StreamNodeletTest, DepthServesASubscriberThatWaited) {
   }));
 }
 
-TEST_F(StreamNodeletTest, ATwistThatCannotBeReadMovesNoStamps) {
-  const Recorder<nav_msgs::Odometry> odometry(handle_, "odom");
-  ros::Publisher twists = handle_.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
+TEST(StreamNodeletTest, ATwistThatCannotBeReadMovesNoStamps) {
+  ros::NodeHandle handle;
+  const Recorder<nav_msgs::Odometry> odometry(handle, "odom");
+  ros::Publisher twists = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
   nodelet::Loader loader(false);
   ASSERT_TRUE(loader.load("/odometry", "radar_dot/Odometry", {}, {}));
   ASSERT_TRUE(waitUntil([&] { return twists.getNumSubscribers() > 0 && odometry.connected(); }));
@@ -165,6 +159,49 @@ TEST_F(StreamNodeletTest, ATwistThatCannotBeReadMovesNoStamps) {
     twists.publish(twist);
   }
   EXPECT_TRUE(waitUntil([&] { return odometry.count() == 4; })) << odometry.count() << " of 4";
+}
+
+class Inputs : public testing::Test {
+ protected:
+  void SetUp() override {
+    handle_.setCallbackQueue(&queue_);
+    extrinsics_.buffer().setTransform(VisionWorld::mount(), "test", true);
+  }
+  /// Serves messages until the condition holds.
+  bool serveUntil(const std::function<bool()>& condition) {
+    return waitUntil([&] { return queue_.callAvailable(), condition(); });
+  }
+
+  ros::CallbackQueue queue_;
+  ros::NodeHandle handle_{"inputs"};
+  Extrinsics extrinsics_{"base_link", handle_};
+};
+
+// A message that is served before its owner holds the source would find a null pointer.
+TEST_F(Inputs, ARotationSourceListensOnceItIsStarted) {
+  const auto listens = [] {
+    ros::V_string topics;
+    ros::this_node::getSubscribedTopics(topics);
+    return std::count(topics.begin(), topics.end(), "/inputs/rotation/odom") > 0;
+  };
+  std::unique_ptr<RotationSource> source;
+  std::size_t samples = 0;
+  RotationSource::Callbacks callbacks{[] {}, [&] { ++samples; }, [] {}, [](const std::string&) {}};
+  RotationParams params;
+  params.source = RotationSourceKind::kOdometry;
+  source = makeRotationSource(params, handle_, extrinsics_, callbacks);
+  EXPECT_FALSE(listens());
+  EXPECT_EQ(source->describe(), "odometry on '/inputs/rotation/odom'");
+  source->start();
+  EXPECT_TRUE(listens());
+
+  nav_msgs::Odometry odometry;
+  odometry.header.stamp = ros::Time::now();
+  odometry.pose.pose.orientation.w = 1.0;
+  ros::Publisher publisher = handle_.advertise<nav_msgs::Odometry>("rotation/odom", 1, true);
+  publisher.publish(odometry);
+  EXPECT_TRUE(serveUntil([&] { return samples == 1; }));
+  EXPECT_EQ(source->latest(), odometry.header.stamp.toSec());
 }
 
 TEST(Extrinsics, NodeletsOfAProcessShareOneBuffer) {

@@ -11,7 +11,6 @@
 #include <boost/make_shared.hpp>
 #include <cctype>
 #include <cmath>
-#include <cstring>
 #include <random>
 #include <stdexcept>
 
@@ -24,34 +23,11 @@ namespace {
 constexpr double kStep = 1e-3;  // s, of the integration
 constexpr std::size_t kIdField = 4, kInvalidStateField = 14;
 
+/// Of the types that a radar of nuScenes has.
 std::uint8_t datatypeOf(const PcdField& field) {
   using sensor_msgs::PointField;
-  if (field.type == 'F') return field.size == 8 ? PointField::FLOAT64 : PointField::FLOAT32;
-  switch (field.size) {
-    case 1: return field.type == 'I' ? PointField::INT8 : PointField::UINT8;
-    case 2: return field.type == 'I' ? PointField::INT16 : PointField::UINT16;
-    default: return field.type == 'I' ? PointField::INT32 : PointField::UINT32;
-  }
-}
-
-template <typename T>
-void store(std::uint8_t* target, double value) {
-  const T scalar = static_cast<T>(value);
-  std::memcpy(target, &scalar, sizeof scalar);
-}
-
-void storeScalar(std::uint8_t* target, std::uint8_t datatype, double value) {
-  using sensor_msgs::PointField;
-  switch (datatype) {
-    case PointField::INT8: return store<std::int8_t>(target, value);
-    case PointField::UINT8: return store<std::uint8_t>(target, value);
-    case PointField::INT16: return store<std::int16_t>(target, value);
-    case PointField::UINT16: return store<std::uint16_t>(target, value);
-    case PointField::INT32: return store<std::int32_t>(target, value);
-    case PointField::UINT32: return store<std::uint32_t>(target, value);
-    case PointField::FLOAT32: return store<float>(target, value);
-    default: return store<double>(target, value);
-  }
+  if (field.type == 'F') return PointField::FLOAT32;
+  return field.size == 1 ? PointField::INT8 : PointField::INT16;
 }
 
 geometry_msgs::Quaternion yawQuaternion(double yaw) {
@@ -167,7 +143,8 @@ sensor_msgs::PointCloud2 syntheticScan(const TrueState& state, std::size_t radar
   sensor_msgs::PointCloud2 cloud;
   cloud.header.stamp = stamp;
   cloud.header.frame_id = syntheticRadars().at(radar).name;
-  for (const PcdField& field : nuscenesRadarFields()) {
+  const std::vector<PcdField> fields = nuscenesRadarFields();
+  for (const PcdField& field : fields) {
     sensor_msgs::PointField& column = cloud.fields.emplace_back();
     column.name = field.name;
     column.offset = cloud.point_step;
@@ -179,14 +156,11 @@ sensor_msgs::PointCloud2 syntheticScan(const TrueState& state, std::size_t radar
   cloud.width = static_cast<std::uint32_t>(records.size());
   cloud.row_step = cloud.width * cloud.point_step;
   cloud.is_dense = 1;
-  cloud.data.resize(cloud.row_step);
   for (std::size_t i = 0; i < records.size(); ++i) {
     records[i].at(kIdField) = static_cast<double>(i);
     records[i].at(kInvalidStateField) = isRefused(static_cast<int>(i)) ? 4.0 : 0.0;
-    for (std::size_t k = 0; k < cloud.fields.size(); ++k) {
-      storeScalar(&cloud.data[i * cloud.point_step + cloud.fields[k].offset], cloud.fields[k].datatype,
-                  records[i].at(k));
-    }
+    const std::string bytes = formatRecord(fields, records[i]);
+    cloud.data.insert(cloud.data.end(), bytes.begin(), bytes.end());
   }
   return cloud;
 }

@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "fixtures/camera_mount.h"

@@ -139,8 +139,7 @@ TEST(DopplerExtractor, MissingFieldsAreNamedWithThoseAtHand) {
   const PointCloud cloud = makeCloud({"x", "y", "power"}, {}, {});
   DopplerExtractor extractor;
   std::vector<DopplerReturn> returns;
-  test::expectRefusal<std::invalid_argument>([&] { extractor.extract(cloud.view(), returns); },
-                                             {"'vx'", "x, y, power"});
+  test::expectRefusal([&] { extractor.extract(cloud.view(), returns); }, {"'vx'", "x, y, power"});
 }
 
 TEST(DopplerExtractor, AFieldBeyondThePointIsRefused) {

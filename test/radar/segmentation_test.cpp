@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "radar_dot/radar/ego_velocity.h"
 #include "synthetic_sweep.h"
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
@@ -50,11 +49,7 @@ void simulate(const fs::path& output, const DriveOptions& options,
   writer.finish();
 }
 
-Tables loadSimulated(const fs::path& dataroot) {
-  dataset::LoadOptions options;
-  options.version = "v1.0-sim";
-  return Tables::load(dataroot, options);
-}
+Tables loadSimulated(const fs::path& dataroot) { return Tables::load(dataroot, {"v1.0-sim", {}}); }
 
 std::map<std::string, std::string> filesUnder(const fs::path& folder) {
   std::map<std::string, std::string> files;
@@ -69,12 +64,10 @@ class DriveSimulator : public ::testing::Test {
     folder_ = std::make_unique<test::TemporaryFolder>();
     simulate(dataroot(), smallDrive(), {"crossing", "standing"});
   }
-  static void TearDownTestSuite() { folder_.reset(); }
   static fs::path dataroot() { return folder_->path() / "simulated"; }
   static Tables load() { return loadSimulated(dataroot()); }
-  static std::unique_ptr<test::TemporaryFolder> folder_;
+  static inline std::unique_ptr<test::TemporaryFolder> folder_;
 };
-std::unique_ptr<test::TemporaryFolder> DriveSimulator::folder_;
 
 TEST_F(DriveSimulator, TablesAreReadAndEveryFileIsThere) {
   const Tables tables = load();
@@ -277,7 +270,7 @@ TEST(DriveSimulatorBytes, WhatThrowsInTheMiddleLeavesNothing) {
 
 TEST(DriveOptionsCheck, NamesTheOptionThatMakesNoSense) {
   const auto expectRefused = [](const DriveOptions& options, const std::string& part) {
-    test::expectRefusal<std::invalid_argument>([&options] { checkOptions(options); }, {part});
+    test::expectRefusal([&options] { checkOptions(options); }, {part});
   };
   DriveOptions options;
   checkOptions(options);

@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <map>
 
 #include "fixtures/field_values.h"
 #include "fixtures/files.h"
+#include "fixtures/refusal.h"
 #include "radar_dot/config/sections.h"
 
 namespace radar_dot::tools {
@@ -23,12 +23,7 @@ class ConfigFile : public testing::Test {
     return readConfigFile(file(), sectionsOf(configuration_));
   }
   std::string refusalOfFile(const std::string& path) {
-    try {
-      readConfigFile(path, sectionsOf(configuration_));
-    } catch (const ConfigFileError& error) {
-      return error.what();
-    }
-    return path + ":accepted";
+    return test::refusalOf<ConfigFileError>([&] { readConfigFile(path, sectionsOf(configuration_)); });
   }
   /// The refusal without the name of the file.
   std::string refusalOf(const std::string& yaml) {

@@ -40,7 +40,6 @@ class Raft : public testing::Test {
                                  kWeights.string() + " --iterations " + std::to_string(kIterations) +
                                  " --output " + network().string());
   }
-  static void TearDownTestSuite() { folder_.reset(); }
   void SetUp() override {
     if (!fs::exists(kWeights)) GTEST_SKIP() << kWeights << " is not here";
     if (exported_.text.find("python3-torch") != std::string::npos) GTEST_SKIP() << exported_.text;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <filesystem>
 #include <opencv2/core.hpp>
-#include <stdexcept>
 #include <string>
 
 #include "fixtures/camera_mount.h"
@@ -84,18 +83,18 @@ TEST_F(TorchDepth, IsAsUncertainAsItsParameterSays) {
 }
 
 TEST_F(TorchDepth, WrongNetworksAndInputsAreRefused) {
-  const auto refused = [this](const std::string& forward, std::initializer_list<std::string> parts) {
-    test::expectRefusal<std::invalid_argument>([&] { makeDepthEstimator(paramsOf(forward)); }, parts);
+  const auto refused = [this](const std::string& forward, const std::vector<std::string>& parts) {
+    test::expectRefusal([&] { makeDepthEstimator(paramsOf(forward)); }, parts);
   };
   refused("def forward(self, image):\n    return image\n",
           {"does not take", "(1, 1, 1, 1600)", "export_justdepth.py"});
   refused("def forward(self, image, radar):\n    return image\n", {"(1, 3, 896, 1600)", "(1, 1, 896, 1600)"});
   DepthParams params = paramsOf(test::networks::depthOfRed());
   params.network.model = "/nowhere.pt";
-  test::expectRefusal<std::invalid_argument>([&] { makeDepthEstimator(params); }, {"/nowhere.pt"});
+  test::expectRefusal([&] { makeDepthEstimator(params); }, {"/nowhere.pt"});
   const auto estimator = makeDepthEstimator(paramsOf(test::networks::depthOfRed()));
   input_.image.release();
-  test::expectRefusal<std::invalid_argument>([&] { estimator->estimate(input_); }, {"image"});
+  test::expectRefusal([&] { estimator->estimate(input_); }, {"image"});
 }
 
 }  // namespace

@@ -4,10 +4,8 @@
 // What depth says of its own uncertainty.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <stdexcept>
 

@@ -9,8 +9,9 @@
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
 #include <string>
+
+#include "fixtures/refusal.h"
 
 namespace radar_dot {
 namespace {
@@ -60,12 +61,8 @@ int changedPixels(const cv::Mat& a, const cv::Mat& b) {
 }
 
 void expectNamed(const std::function<void()>& call, const std::string& name) {
-  try {
-    call();
-    ADD_FAILURE() << "no error for " << name;
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(std::string(error.what()).rfind(name + " is ", 0), 0U) << error.what();
-  }
+  const std::string text = test::refusalOf(call);
+  EXPECT_EQ(text.rfind(name + " is ", 0), 0U) << text;
 }
 
 // The four corners of the published wheel: 55 steps, counted from red at the right over yellow (15).

@@ -47,9 +47,8 @@ TEST(JustDepthImage, MayBeGreyOrOfAnotherSize) {
   ASSERT_EQ(planes.size(), cv::Size(1600, 3 * 896));
   EXPECT_NEAR(valueOf(planes, 0, 895, 1599), 2.24891F, 1e-4F);  // (1 - 0.485) / 0.229
   EXPECT_NEAR(valueOf(planes, 2, 0, 0), 2.64F, 1e-4F);
-  test::expectRefusal<std::invalid_argument>([&] { just_depth::imagePlanes({}, planes); }, {"image"});
-  test::expectRefusal<std::invalid_argument>(
-      [&] { just_depth::imagePlanes(cv::Mat(900, 1600, CV_16UC1), planes); }, {"CV_8UC3"});
+  test::expectRefusal([&] { just_depth::imagePlanes({}, planes); }, {"image"});
+  test::expectRefusal([&] { just_depth::imagePlanes(cv::Mat(900, 1600, CV_16UC1), planes); }, {"CV_8UC3"});
 }
 
 class JustDepthRadar : public testing::Test {
@@ -120,11 +119,7 @@ TEST(JustDepthOutput, StaysWhereItIsOnASmallerGrid) {
   EXPECT_FLOAT_EQ(half.at<float>(100, 200), 7.0F);
   EXPECT_FLOAT_EQ(half.at<float>(129, 249), 7.0F);
   EXPECT_FLOAT_EQ(half.at<float>(130, 250), 30.0F);
-  test::expectRefusal<std::invalid_argument>(
-      [] {
-        just_depth::onGrid(cv::Mat(900, 1600, CV_32FC1), {800, 450});
-      },
-      {"896"});
+  test::expectRefusal([] { just_depth::onGrid(cv::Mat(900, 1600, CV_32FC1), {800, 450}); }, {"896"});
 }
 
 }  // namespace

@@ -208,7 +208,7 @@ TEST(OpticalFlow, NamesOfBackendsLeadNowhereElse) {
   for (const char* name : {"../dis", "a/b", "", "Torch"}) {
     OpticalFlowParams params;
     params.backend = name;
-    test::expectRefusal<std::invalid_argument>([&params] { makeOpticalFlow(params); }, {"no backend", "dis"});
+    test::expectRefusal([&params] { makeOpticalFlow(params); }, {"no backend", "dis"});
   }
 }
 
@@ -216,13 +216,13 @@ TEST(OpticalFlow, NamesOfBackendsLeadNowhereElse) {
 TEST(OpticalFlow, WithoutLibtorchTheRefusalSaysHowToGetIt) {
   OpticalFlowParams params;
   params.backend = "torch";
-  test::expectRefusal<std::invalid_argument>([&params] { makeOpticalFlow(params); },
-                                             {"no backend 'torch'", "libtorch-dev", "Torch_DIR"});
+  test::expectRefusal([&params] { makeOpticalFlow(params); },
+                      {"no backend 'torch'", "libtorch-dev", "Torch_DIR"});
 }
 #endif
 
 void expectRefusal(const OpticalFlowParams& params, const std::string& part) {
-  test::expectRefusal<std::invalid_argument>([&params] { makeOpticalFlow(params); }, {part});
+  test::expectRefusal([&params] { makeOpticalFlow(params); }, {part});
 }
 
 TEST(OpticalFlow, RefusalsNameWhatThereIs) {

@@ -354,14 +354,14 @@ TEST(UncertaintyScore, ParametersThatMakeNoSenseAreRefused) {
   const auto refused = [](auto change, const char* name) {
     MotionParams params;
     change(params);
-    test::expectRefusal<std::invalid_argument>([&] { validate(params); }, {name});
+    test::expectRefusal([&] { validate(params); }, {name});
   };
   refused([](MotionParams& p) { p.uncertainty.noise.flow_std = p.uncertainty.noise.flow_std_relative = 0.0; },
           "flow_std");
   refused([](MotionParams& p) { p.uncertainty.hysteresis_ratio = 0.5; }, "hysteresis_ratio");
   MotionInput input = wall();
   input.fb_error = cv::Mat(4, 4, CV_32FC1);
-  test::expectRefusal<std::invalid_argument>([&] { MotionSegmenter().segment(input); }, {"fb_error"});
+  test::expectRefusal([&] { MotionSegmenter().segment(input); }, {"fb_error"});
 }
 
 }  // namespace
