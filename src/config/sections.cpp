@@ -179,7 +179,7 @@ void DepthConfig::describe(FieldList& fields) {
   fields.group("Depth");
   describeWorkingWidth(working_width, fields);
   depth.describe(fields);
-  fields.group("Pairing", FieldList::kLiveOnly);
+  fields.group("Pairing");
   describeRadarMaxAge(radar_max_age, fields);
   fields.add("lidar_max_age", lidar_max_age, "Largest time between the image and a lidar sweep", "s",
              {0.001, 10.0});
