@@ -179,7 +179,7 @@ void DepthConfig::describe(FieldList& fields) {
   fields.group("Depth");
   describeWorkingWidth(working_width, fields);
   depth.describe(fields);
-  fields.group("Pairing", FieldList::kLiveOnly);
+  fields.group("Pairing");
   describeRadarMaxAge(radar_max_age, fields);
   fields.add("lidar_max_age", lidar_max_age, "Largest time between the image and a lidar sweep", "s",
              {0.001, 10.0});
@@ -218,6 +218,9 @@ void MovingObjectsConfig::describe(FieldList& fields) {
   fields.add("mask_starts_tracks", mask_starts_tracks,
              "Regions of the mask start tracks; otherwise they only continue those of the radar");
   regions.describe(fields);
+  fields.group("Timing");
+  fields.add("max_pose_age", max_pose_age, "Longest time that the latest pose and velocity are extrapolated",
+             "s", kTimeout);
   fields.group("Timing", FieldList::kLiveOnly);
   fields.add("image_max_age", image_max_age, "Time after which an object counts as not seen in an image", "s",
              kTimeout);
@@ -225,8 +228,6 @@ void MovingObjectsConfig::describe(FieldList& fields) {
              "Longest wait of a static cloud for the dynamic one of its scan, and the other way round", "s",
              kTimeout);
   fields.add("mask_timeout", mask_timeout, "Longest wait of a mask for depth and flow", "s", kTimeout);
-  fields.add("max_pose_age", max_pose_age, "Longest time that the latest pose and velocity are extrapolated",
-             "s", kTimeout);
   fields.add("marker_lifetime", marker_lifetime, "Time after which the marker of an object disappears", "s",
              kTimeout);
 }

@@ -20,7 +20,7 @@ using dataset::Tables;
 bool isByLidar(const DepthEvaluationOptions& options) { return options.truth == DepthTruth::kLidar; }
 
 DepthSource sourceOf(const DepthEvaluationOptions& options) {
-  return {options.depth.depth, options.depth.working_width, options.depth_input, isByLidar(options)};
+  return {options.depth, options.depth_input, isByLidar(options)};
 }
 
 std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {

@@ -15,8 +15,10 @@
 
 #include "annotated_objects.h"
 #include "object_masks.h"
-#include "online_motion.h"
+#include "radar_dot/common/pose_buffer.h"
+#include "radar_dot/common/twist_history.h"
 #include "radar_dot/objects/assignment.h"
+#include "radar_dot/radar/odometry.h"
 #include "radar_scene.h"
 #include "sweep_velocities.h"
 
@@ -25,15 +27,50 @@ namespace {
 
 using dataset::Index;
 
+/// The motion of the vehicle by ego/twist and odom, as MovingObjects takes it: a scan comes after the twist
+/// of its sweep.
+class KnownMotion {
+ public:
+  /// @param max_age  s that the latest twist and pose are carried on
+  KnownMotion(const std::vector<EstimatedVelocity>& velocities, double max_age) : max_age_(max_age) {
+    VelocityIntegrator odometry;
+    for (const EstimatedVelocity& velocity : velocities) {
+      twists_.add(velocity, /*needs_yaw_rate=*/true);
+      odometry.add(onWheels(velocity));
+      poses_.add({velocity.time, odometry.state().T_odom_from_base});
+    }
+  }
+  std::optional<StampedTwist> velocityAt(double time) const {
+    std::string missing;
+    return twists_.mean(time, time, max_age_, missing);
+  }
+  /// T_odom_from_base.
+  std::optional<Eigen::Isometry3d> poseAt(double time) const {
+    if (const std::optional<StampedPose> between = poses_.at(time)) return between->isometry();
+    const std::optional<double> latest = poses_.latest();
+    if (!latest || time < *latest || time - *latest > max_age_) return std::nullopt;
+    const IntervalMotion since = twists_.between(*latest, time, max_age_);
+    if (!since.T_begin_from_end) return std::nullopt;
+    return poses_.at(*latest)->isometry() * *since.T_begin_from_end;
+  }
+
+ private:
+  static constexpr double kWholeScene = std::numeric_limits<double>::infinity();
+  double max_age_;
+  TwistHistory twists_{kWholeScene};
+  PoseBuffer poses_{kWholeScene, std::numeric_limits<std::size_t>::max()};
+};
+
 /// A scan with its returns over ground, in time order.
 struct SeenScan {
   double time = 0.0;
   std::size_t radar = 0;
+  Eigen::Isometry3d T_odom_from_base;
   std::vector<ReturnOverGround> returns;
 };
 
 /// Of the doubtful scan the returns that the trusted one lacks, as static ones.
-void addDoubtful(const RadarScan& doubtful, const EstimatedVelocity& velocity, const OverGroundParams& params,
+void addDoubtful(const RadarScan& doubtful, const StampedTwist& velocity, const OverGroundParams& params,
                  const Span<const DopplerReturn>& trusted, std::vector<ReturnOverGround>& returns) {
   std::set<std::uint32_t> known;
   for (const DopplerReturn& one : trusted) known.insert(one.index);
@@ -45,15 +82,16 @@ void addDoubtful(const RadarScan& doubtful, const EstimatedVelocity& velocity, c
 }
 
 std::vector<SeenScan> seenScans(const RadarScene& scene, const RadarScene* doubtful,
-                                const OnlineMotion& motion, const ObjectEvaluationOptions& options) {
+                                const KnownMotion& motion, const ObjectEvaluationOptions& options) {
   std::vector<SeenScan> seen;
   for (const LoadedRadar& radar : scene.radars) {
     for (std::size_t i = 0; i < radar.scans.size(); ++i) {
       RadarScan scan = radar.scan(i);
       const auto velocity = motion.velocityAt(scan.time);
-      if (!velocity) continue;
+      const auto pose = motion.poseAt(scan.time);
+      if (!velocity || !pose) continue;
       scan.bearing_rotation = options.ego.ego_velocity.bearing_delay * velocity->angular.z();
-      seen.push_back({scan.time, scan.radar,
+      seen.push_back({scan.time, scan.radar, *pose,
                       returnsOverGround(scan, velocity->linear, velocity->angular, options.objects.returns)});
       if (doubtful == nullptr) continue;
       RadarScan with_doubtful = scan;
@@ -86,7 +124,7 @@ Eigen::Vector2d inBase(const Eigen::Isometry3d& T_map_from_base, const Eigen::Ve
 /// Compares tracks with boxes, keyframe by keyframe.
 class Comparison {
  public:
-  Comparison(const dataset::Tables& tables, const RadarScene& scene, const OnlineMotion& motion,
+  Comparison(const dataset::Tables& tables, const RadarScene& scene, const KnownMotion& motion,
              const std::vector<SeenScan>& scans, const ObjectEvaluationOptions& options, ObjectReport& report)
       : tables_(tables), scene_(scene), motion_(motion), scans_(scans), options_(options), report_(report) {}
 
@@ -118,10 +156,12 @@ class Comparison {
  private:
   std::vector<ReportedTrack> reportedTracks(const std::vector<ObjectTrack>& moving, double time,
                                             const Eigen::Isometry3d& T_map_from_base) const {
-    const Eigen::Isometry3d T_base_from_odom = motion_.poseAt(time).inverse();
+    std::vector<ReportedTrack> tracks;
+    const std::optional<Eigen::Isometry3d> T_odom_from_base = motion_.poseAt(time);
+    if (!T_odom_from_base) return tracks;
+    const Eigen::Isometry3d T_base_from_odom = T_odom_from_base->inverse();
     const Eigen::Isometry3d T_map_from_odom = T_map_from_base * T_base_from_odom;
     const Eigen::Matrix2d R = T_map_from_odom.linear().topLeftCorner<2, 2>();
-    std::vector<ReportedTrack> tracks;
     for (const ObjectTrack& track : moving) {
       const Eigen::Vector3d in_odom(track.position().x(), track.position().y(), 0.0);
       ReportedTrack reported;
@@ -213,7 +253,7 @@ class Comparison {
 
   const dataset::Tables& tables_;
   const RadarScene& scene_;
-  const OnlineMotion& motion_;
+  const KnownMotion& motion_;
   const std::vector<SeenScan>& scans_;
   const ObjectEvaluationOptions& options_;
   ObjectReport& report_;
@@ -222,7 +262,7 @@ class Comparison {
 
 /// Feeds a tracker with scans and masks in the order in which they are known, and compares its tracks at
 /// every keyframe.
-void followObjects(const RadarScene& scene, const OnlineMotion& motion, const std::vector<SeenScan>& scans,
+void followObjects(const RadarScene& scene, const KnownMotion& motion, const std::vector<SeenScan>& scans,
                    ObjectMasks* masks, const ObjectEvaluationOptions& options, Comparison& comparison) {
   constexpr double kEnd = std::numeric_limits<double>::infinity();
   ObjectTracker tracker(options.objects.tracker);
@@ -236,8 +276,8 @@ void followObjects(const RadarScene& scene, const OnlineMotion& motion, const st
     for (; masks != nullptr && mask < masks->size() && masks->knownFrom(mask) < time; ++mask) {
       compareBefore(masks->knownFrom(mask));
       const double image_time = masks->timeOf(mask);
-      if (!motion.velocityAt(image_time)) continue;
-      tracker.update(image_time, std::nullopt, masks->detections(mask), motion.poseAt(image_time));
+      const std::optional<Eigen::Isometry3d> pose = motion.poseAt(image_time);
+      if (pose) tracker.update(image_time, std::nullopt, masks->detections(mask), *pose);
     }
   };
   for (const SeenScan& scan : scans) {
@@ -245,7 +285,7 @@ void followObjects(const RadarScene& scene, const OnlineMotion& motion, const st
     compareBefore(scan.time);
     tracker.update(scan.time, scan.radar,
                    detectObjects(scan.time, scan.returns, {}, options.objects.detection),
-                   motion.poseAt(scan.time));
+                   scan.T_odom_from_base);
   }
   useMasksBefore(kEnd);
   compareBefore(kEnd);
@@ -308,7 +348,8 @@ ObjectReport evaluateObjects(const dataset::Tables& tables, Index scene,
   const RadarScene for_ego = loadRadarScene(tables, scene, ego.radar_channels, config);
   config.extraction.filter = objectFilter(ego.ego_velocity.extraction.filter, options.object_returns);
   const RadarScene for_objects = loadRadarScene(tables, scene, ego.radar_channels, config);
-  const OnlineMotion motion(sweepVelocities(tables, scene, for_ego, ego).filtered);
+  const KnownMotion motion(sweepVelocities(tables, scene, for_ego, ego).filtered,
+                           options.objects.max_pose_age);
   std::optional<RadarScene> with_doubtful;
   if (options.doubtful) {
     config.extraction.filter = objectFilter(config.extraction.filter, ObjectReturns::kAll);

@@ -9,19 +9,12 @@
 #include "segmentation_images.h"
 
 namespace radar_dot::evaluation {
-namespace {
-
-DepthSource depthSourceOf(const ObjectEvaluationOptions& options) {
-  return {options.depth.depth, options.depth.working_width, options.depth_input, false};
-}
-
-}  // namespace
 
 ObjectMasks::ObjectMasks(const dataset::Tables& tables, dataset::Index scene, const RadarScene& radar,
                          const ObjectEvaluationOptions& options)
     : options_(options),
       masks_(tables, scene, options.masks.directory, options.masks.channel, options.masks.delay),
-      depths_(tables, radar, depthSourceOf(options)) {}
+      depths_(tables, radar, {options.depth, options.depth_input}) {}
 
 std::vector<MaskRegion> ObjectMasks::regions(std::size_t index) {
   const dataset::Index row = masks_.rowOf(index);

@@ -60,16 +60,20 @@ CameraIntrinsics cameraOf(const dataset::Tables& tables, Index row) {
 }
 
 void validate(const DepthSource& source) {
-  if (fileSourceOf(source.params.backend) != FileSource::kFiles || !source.input.depth_directory.empty())
+  if (fileSourceOf(source.config.depth.backend) != FileSource::kFiles ||
+      !source.input.depth_directory.empty())
     return;
   throw InvalidParameter({fieldsOf(source.input).of(&source.input.depth_directory).name},
                          "depth_backend files needs depth_directory, a folder with the depths");
 }
 
 SceneDepths::SceneDepths(const dataset::Tables& tables, const RadarScene& radar, const DepthSource& source)
-    : tables_(tables), radar_(radar), source_(source), file_source_(fileSourceOf(source.params.backend)) {
+    : tables_(tables),
+      radar_(radar),
+      source_(source),
+      file_source_(fileSourceOf(source.config.depth.backend)) {
   validate(source_);
-  if (!file_source_) depth_ = makeDepthEstimator(source_.params);
+  if (!file_source_) depth_ = makeDepthEstimator(source_.config.depth);
 }
 
 void SceneDepths::keepOnly(Index row) {
@@ -89,7 +93,7 @@ CameraIntrinsics SceneDepths::gridOf(Index row) const {
 }
 
 cv::Size SceneDepths::sizeOf(Index row) const {
-  return workingGrid({reading(row).width, reading(row).height}, source_.working_width);
+  return workingGrid({reading(row).width, reading(row).height}, source_.config.working_width);
 }
 
 const cv::Mat& SceneDepths::imageOf(Index row) {
@@ -112,10 +116,11 @@ std::vector<Eigen::Vector3f> SceneDepths::radarPoints(double time) const {
   std::vector<Eigen::Vector3f> points;
   for (const LoadedRadar& radar : radar_.radars) {
     if (!seesRadar(radar.channel)) continue;
-    const std::optional<std::size_t> nearest = nearestScan(radar, time, kSensorReach);
+    const std::optional<std::size_t> nearest = nearestScan(radar, time, source_.config.radar_max_age);
     if (!nearest) continue;
-    for (const DopplerReturn& seen : radar.scans[*nearest].returns)
-      points.push_back(positionOf(seen, radar.T_base_from_sensor));
+    const LoadedScan& scan = radar.scans[*nearest];
+    const Eigen::Isometry3d T_base_from_sensor = trueMotion(time, scan.time) * radar.T_base_from_sensor;
+    for (const DopplerReturn& seen : scan.returns) points.push_back(positionOf(seen, T_base_from_sensor));
   }
   return points;
 }
@@ -124,7 +129,7 @@ const dataset::SampleData* SceneDepths::lidarOf(Index row) const {
   const double time = secondsOf(reading(row));
   const Index scene = tables_.samples[at(reading(row).sample)].scene;
   const dataset::SampleData* nearest = nullptr;
-  double distance = kSensorReach;
+  double distance = source_.config.lidar_max_age;
   for (const Index candidate : tables_.readingsOf(scene, "LIDAR_TOP")) {
     const dataset::SampleData& sweep = reading(candidate);
     const double apart = std::abs(secondsOf(sweep) - time);
@@ -139,12 +144,11 @@ std::vector<Eigen::Vector3f> SceneDepths::lidarPoints(Index row, LidarPart part)
   const dataset::SampleData* sweep = lidarOf(row);
   if (sweep == nullptr) {
     throw DatasetError(fmt::format("{}: no LIDAR_TOP sweep on disk within {} s of the image",
-                                   tables_.path(reading(row)).string(), kSensorReach));
+                                   tables_.path(reading(row)).string(), source_.config.lidar_max_age));
   }
   // The sweep as seen from the vehicle at the time of the image.
-  const Eigen::Isometry3f T_base_from_lidar = (radar_.truth.at(secondsOf(reading(row))).inverse() *
-                                               radar_.truth.at(secondsOf(*sweep)) * mountOf(*sweep))
-                                                  .cast<float>();
+  const Eigen::Isometry3f T_base_from_lidar =
+      (trueMotion(secondsOf(reading(row)), secondsOf(*sweep)) * mountOf(*sweep)).cast<float>();
   const PointCloud cloud = dataset::readLidarBin(tables_.path(*sweep));
   const PointField* ring_field = findField(cloud.fields, "ring");
   Halves halves;
@@ -193,7 +197,7 @@ cv::Mat SceneDepths::relativeStdOf(Index row) {
     case FileSource::kNoisy: return noisyDepthStd(trueDepth(row), depth, {});
     case FileSource::kFiles: break;
   }
-  return constantStd(depth, source_.params.relative_std);
+  return constantStd(depth, source_.config.depth.relative_std);
 }
 
 const cv::Mat& SceneDepths::depthOf(Index row) {
@@ -210,7 +214,7 @@ const cv::Mat& SceneDepths::trueDepth(Index row) {
 
 cv::Mat SceneDepths::heldOutDepth(Index row) const {
   return projectedDepth(lidarPoints(row, LidarPart::kHeldOut), gridOf(row), mountOf(reading(row)),
-                        source_.params.max_depth);
+                        source_.config.depth.max_depth);
 }
 
 }  // namespace radar_dot::evaluation

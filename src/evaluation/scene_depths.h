@@ -21,7 +21,6 @@
 namespace radar_dot::evaluation {
 
 inline constexpr double kTrueDepthStd = 0.01;  // share: a true depth is as exact as its file and grid
-inline constexpr double kSensorReach = 0.1;    // s between an image and the scans that go with it
 
 /// "<stem of the image>.png"
 std::string pngNameOf(const dataset::Tables& tables, dataset::Index row);
@@ -30,8 +29,7 @@ CameraIntrinsics cameraOf(const dataset::Tables& tables, dataset::Index row);
 
 /// Where depth comes from.
 struct DepthSource {
-  DepthParams params;     ///< its backend may be a FileSource
-  int working_width = 0;  ///< px; 0 = the images'
+  DepthConfig config;  ///< its backend may be a FileSource
   DepthInputOptions input;
   /// "lidar" sees every second point of each beam, and heldOutDepth the others.
   bool half_of_lidar = false;
@@ -73,7 +71,10 @@ class SceneDepths {
  protected:
   std::filesystem::path truthFile(const std::string& folder, dataset::Index row) const;
   cv::Size sizeOf(dataset::Index row) const;
-  const RadarScene& radar() const { return radar_; }
+  /// True pose of the base at `end`, in its frame at `begin`.
+  Eigen::Isometry3d trueMotion(double begin, double end) const {
+    return radar_.truth.at(begin).inverse() * radar_.truth.at(end);
+  }
 
  private:
   enum class LidarPart { kAll, kSeen, kHeldOut };

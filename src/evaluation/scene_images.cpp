@@ -19,7 +19,9 @@ using dataset::DatasetError;
 using dataset::Index;
 
 DepthSource depthSourceOf(const SegmentationEvaluationOptions& options) {
-  return {options.depth.depth, options.optical_flow.flow.working_width, options.depth_input, false};
+  DepthConfig depth = options.depth;
+  depth.working_width = options.optical_flow.flow.working_width;
+  return {depth, options.depth_input};
 }
 
 /// A dataroot may hold a part of the images.
@@ -33,7 +35,7 @@ bool isOnDisk(const dataset::Tables& tables, const ImagePair& pair) {
 std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const PairOptions& options) {
   const std::vector<Index> readings = tables.readingsOf(scene, options.camera);
   const std::string& name = tables.scenes[at(scene)].name;
-  if (readings.empty()) throw DatasetError(fmt::format("{}: no readings of {}", name, options.camera));
+  if (readings.empty()) throw NoImages(fmt::format("{}: no readings of {}", name, options.camera));
   const auto is_key_frame = [&](std::size_t i) { return tables.sample_data[at(readings[i])].is_key_frame; };
   std::vector<ImagePair> found;
   for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
@@ -83,8 +85,7 @@ void SceneImages::begin(const ImagePair& pair) {
 }
 
 Eigen::Isometry3d SceneImages::trueMotion(const ImagePair& pair) const {
-  return radar().truth.at(secondsOf(reading(pair.first))).inverse() *
-         radar().truth.at(secondsOf(reading(pair.second)));
+  return SceneDepths::trueMotion(secondsOf(reading(pair.first)), secondsOf(reading(pair.second)));
 }
 
 const FlowField& SceneImages::trueFlow(const ImagePair& pair) {

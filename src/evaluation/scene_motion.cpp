@@ -20,13 +20,8 @@ void SceneMotion::advanceTo(double time) {
 void SceneMotion::take(SceneSweep& sweep) {
   const EgoVelocityConfig& config = options_.ego_velocity;
   if (mask_) {
-    const auto motion = [&](double begin, double end, std::string& missing) {
-      IntervalMotion between = raw_.between(begin, end, config.mask_max_age);
-      missing = std::move(between.missing);
-      return between.T_begin_from_end;
-    };
     for (RadarScan& scan : sweep.scans)
-      markReturns(scan, *mask_, config.mask_max_age, config.footprint, motion);
+      markReturns(scan, *mask_, config.mask_max_age, config.footprint, raw_);
   }
   const SweepEstimate estimate = estimator_.estimate(sweep.scans, sweep.time);
   const EgoVelocityResult& single = estimate.single;

@@ -3,20 +3,13 @@
 #include "sweep_velocities.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <limits>
 #include <utility>
 
 #include "radar_dot/radar/sweep_assembler.h"
-#include "radar_dot/vision/rigid_motion.h"
 
 namespace radar_dot::evaluation {
-namespace {
-
-constexpr double kMaxVelocityAge = 1.0;  // s
-
-}  // namespace
 
 EstimatedVelocity::EstimatedVelocity(double stamp, const EgoVelocityResult& result)
     : StampedTwist{stamp, result.linear, result.angular, result.covariance}, observed(result.observed) {}
@@ -40,15 +33,6 @@ const EstimatedVelocity* latestAt(const std::vector<EstimatedVelocity>& velociti
       std::upper_bound(velocities.begin(), velocities.end(), time,
                        [](double t, const EstimatedVelocity& velocity) { return t < velocity.time; });
   return after == velocities.begin() ? nullptr : &*std::prev(after);
-}
-
-MotionBetween heldMotion(const StampedTwist& velocity) {
-  return [velocity](double begin, double end, std::string& missing) -> std::optional<Eigen::Isometry3d> {
-    if (std::abs(end - velocity.time) <= kMaxVelocityAge)
-      return baseMotion(velocity.linear, velocity.angular, end - begin);
-    missing = "no fresh velocity";
-    return std::nullopt;
-  };
 }
 
 std::vector<SceneSweep> assembleSweeps(const RadarScene& scene, const SweepParams& params) {
@@ -84,12 +68,10 @@ SweepRunner::SweepRunner(const dataset::Tables& tables, dataset::Index index, co
 }
 
 void SweepRunner::mark(std::vector<RadarScan>& scans) {
-  if (!masks_ || velocities_.velocities.empty()) return;
+  if (!masks_) return;
   for (RadarScan& scan : scans) {
-    if (const StampedMask* mask = masks_->before(scan.time)) {
-      markReturns(scan, *mask, config_.mask_max_age, config_.footprint,
-                  heldMotion(velocities_.velocities.back()));
-    }
+    if (const StampedMask* mask = masks_->before(scan.time))
+      markReturns(scan, *mask, config_.mask_max_age, config_.footprint, raw_);
   }
 }
 
@@ -104,6 +86,8 @@ const SweepVelocities& SweepRunner::upTo(double time) {
       continue;
     }
     velocities_.velocities.emplace_back(sweep.time, estimate.single);
+    const EgoVelocityResult& single = estimate.single;
+    if (single.observed[0]) raw_.add({sweep.time, single.linear, single.angular});
     if (!estimate.filtered) continue;
     if (estimate.filtered->outcome == VelocityFilter::Outcome::kRejected) ++velocities_.filter_rejected;
     if (estimate.filtered->outcome == VelocityFilter::Outcome::kStarted) ++velocities_.filter_starts;

@@ -30,9 +30,6 @@ struct EstimatedVelocity : StampedTwist {
 /// The latest velocity at or before `time`; null where there is none.
 const EstimatedVelocity* latestAt(const std::vector<EstimatedVelocity>& velocities, double time);
 
-/// The motion at a velocity held before and after its time; none a second after it, when it says little.
-MotionBetween heldMotion(const StampedTwist& velocity);
-
 /// The scans of a sweep at `time` (s), and the stamp of the scan whose arrival showed that it is complete.
 struct SceneSweep {
   double time = 0.0, complete = 0.0;
@@ -58,7 +55,7 @@ class SweepRunner {
 
   /// Estimates the sweeps up to `time` (s) that are still to come.
   const SweepVelocities& upTo(double time);
-  /// Marks the returns of scans that lie in saved masks, with the velocity estimated last.
+  /// Marks the returns of scans that lie in saved masks, with the velocities so far.
   void mark(std::vector<RadarScan>& scans);
   /// After the sweeps so far.
   const SweepEstimator& estimator() const { return estimator_; }
@@ -70,6 +67,7 @@ class SweepRunner {
   SweepEstimator estimator_;
   std::optional<MaskFolder> masks_;
   SweepVelocities velocities_;
+  TwistHistory raw_;  // of single sweeps, for masks
 };
 
 /// Of all sweeps.

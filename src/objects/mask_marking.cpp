@@ -7,15 +7,14 @@
 namespace radar_dot {
 
 std::string markReturns(RadarScan& scan, const StampedMask& mask, double max_age,
-                        const MaskFootprint& footprint, const MotionBetween& motion) {
+                        const MaskFootprint& footprint, const TwistHistory& velocities) {
   const double age = scan.time - mask.time;
   if (age < 0.0) return "the latest mask is " + std::to_string(-age) + " s younger than the scan";
   if (age > max_age)
     return "the latest mask is " + std::to_string(age) + " s older than the scan (mask_max_age)";
-  std::string missing;
-  const std::optional<Eigen::Isometry3d> T_mask_from_scan = motion(mask.time, scan.time, missing);
-  if (!T_mask_from_scan) return missing;
-  const Eigen::Isometry3d T_mask_from_sensor = *T_mask_from_scan * scan.T_base_from_sensor;
+  const IntervalMotion motion = velocities.between(mask.time, scan.time, max_age);
+  if (!motion.T_begin_from_end) return motion.missing;
+  const Eigen::Isometry3d T_mask_from_sensor = *motion.T_begin_from_end * scan.T_base_from_sensor;
   std::vector<Eigen::Vector3f> points;
   points.reserve(scan.returns.size());
   for (const DopplerReturn& seen : scan.returns) points.push_back(positionOf(seen, T_mask_from_sensor));

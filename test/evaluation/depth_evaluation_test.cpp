@@ -57,6 +57,18 @@ TEST_F(DepthEvaluation, BackendsDiffer) {
   EXPECT_NEAR(radar.meanAbsoluteError(), 4.6, 0.7);
 }
 
+// No scan is as near to its image as a millisecond: what stands on the ground is not known any more.
+TEST_F(DepthEvaluation, RadarCountsWithinItsAge) {
+  DepthEvaluationOptions options;
+  options.depth.depth.backend = "radar_ground";
+  const auto error = [&] {
+    return evaluateDepth(dataroot_->tables(), 0, options).errors.within[0].meanAbsoluteError();
+  };
+  const double with_radar = error();
+  options.depth.radar_max_age = 0.001;
+  EXPECT_GT(error(), 1.2 * with_radar);  // 1.4
+}
+
 // Every backend knows about how wrong it is: within a factor of one and a half on this one street.
 TEST_F(DepthEvaluation, TheDeclaredSigmasAreOfTheSizeOfTheErrors) {
   for (const char* depth : {"noisy", "radar_ground", "lidar"}) {

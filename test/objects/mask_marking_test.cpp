@@ -9,8 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "radar_dot/vision/rigid_motion.h"
-
 namespace radar_dot {
 namespace {
 
@@ -34,15 +32,18 @@ DopplerReturn returnAt(float x, float y) {
   return seen;
 }
 
-MotionBetween moving(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
-  return [=](double begin, double end, std::string&) { return baseMotion(linear, angular, end - begin); };
+/// Velocities that do not change.
+TwistHistory moving(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
+  TwistHistory history(20.0, 20.0);
+  for (const double time : {0.0, 20.0}) history.add({time, linear, angular});
+  return history;
 }
 
-const MotionBetween kStanding = moving(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+const TwistHistory kStanding = moving(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
 
 using Flags = std::vector<std::uint8_t>;
 
-Flags marked(RadarScan scan, const StampedMask& mask, const MotionBetween& motion) {
+Flags marked(RadarScan scan, const StampedMask& mask, const TwistHistory& motion) {
   EXPECT_EQ(markReturns(scan, mask, 0.5, {}, motion), "");
   return scan.known_dynamic;
 }
@@ -54,7 +55,7 @@ TEST(MaskMarking, ReturnsAreBroughtToTheTimeOfTheMask) {
   RadarScan scan{returns, Eigen::Isometry3d::Identity(), 7.5};
   const StampedMask then = maskOf(7.0, 302, 306);
   EXPECT_EQ(marked(scan, then, kStanding), (Flags{0, 0}));
-  const MotionBetween motion = moving({10.0, 0.0, 0.0}, Eigen::Vector3d::Zero());
+  const TwistHistory motion = moving({10.0, 0.0, 0.0}, Eigen::Vector3d::Zero());
   EXPECT_EQ(marked(scan, then, motion), (Flags{1, 0}));
   EXPECT_EQ(marked(scan, maskOf(7.0, 270, 274), motion), (Flags{0, 0}));
   // With a radar 2 m ahead of the base the same returns stand at 22 m: column 313.
@@ -67,7 +68,7 @@ TEST(MaskMarking, TheTurnSinceTheMaskCounts) {
   const std::vector<DopplerReturn> returns = {returnAt(20.0F * std::cos(0.1F), -20.0F * std::sin(0.1F))};
   const RadarScan scan{returns, Eigen::Isometry3d::Identity(), 0.5};
   for (const auto& [yaw_rate, in_mask] : {std::pair{0.2, 1}, {-0.2, 0}}) {
-    const MotionBetween motion = moving(Eigen::Vector3d::Zero(), {0.0, 0.0, yaw_rate});
+    const TwistHistory motion = moving(Eigen::Vector3d::Zero(), {0.0, 0.0, yaw_rate});
     EXPECT_EQ(marked(scan, maskOf(0.0, 398, 402), motion), Flags(1, static_cast<std::uint8_t>(in_mask)));
   }
 }
@@ -75,7 +76,7 @@ TEST(MaskMarking, TheTurnSinceTheMaskCounts) {
 TEST(MaskMarking, OnlyScansWithinTheLimitAreMarked) {
   const std::vector<DopplerReturn> returns = {returnAt(15.0F, 0.0F)};
   const StampedMask mask = maskOf(10.0, 0, 799);
-  const auto reason = [&](double time, const MotionBetween& motion = kStanding) {
+  const auto reason = [&](double time, const TwistHistory& motion = kStanding) {
     RadarScan scan{returns, Eigen::Isometry3d::Identity(), time};
     const std::string text = markReturns(scan, mask, 0.5, {}, motion);
     EXPECT_EQ(scan.known_dynamic, text.empty() ? Flags{1} : Flags{}) << time;
@@ -84,11 +85,11 @@ TEST(MaskMarking, OnlyScansWithinTheLimitAreMarked) {
   for (const double time : {10.0, 10.25, 10.5}) EXPECT_EQ(reason(time), "") << time;
   EXPECT_NE(reason(9.75).find("0.250000 s younger"), std::string::npos) << reason(9.75);
   EXPECT_NE(reason(10.625).find("mask_max_age"), std::string::npos) << reason(10.625);
-  const MotionBetween unknown = [](double, double, std::string& missing) {
-    missing = "no velocity yet";
-    return std::optional<Eigen::Isometry3d>();
-  };
-  EXPECT_EQ(reason(10.25, unknown), "no velocity yet");
+  EXPECT_EQ(reason(10.25, TwistHistory()), "no velocity was received yet");
+  TwistHistory old;
+  old.add({9.5, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+  EXPECT_EQ(reason(10.0, old), "") << "a velocity holds for as long as a mask";
+  EXPECT_NE(reason(10.25, old).find("0.75 s before"), std::string::npos) << reason(10.25, old);
 }
 
 }  // namespace

@@ -68,12 +68,7 @@ std::string MaskInput::markByLatest(RadarScan& scan) {
   const StampedMask stamped{mask_->header.stamp.toSec(), mask.pixels,
                             camera.scaledTo(mask.pixels.cols, mask.pixels.rows),
                             T_base_from_camera->inverse()};
-  return markReturns(scan, stamped, max_age_, footprint_,
-                     [this](double begin, double end, std::string& reason) {
-                       IntervalMotion between = velocities_.between(begin, end, max_age_);
-                       reason = std::move(between.missing);
-                       return between.T_begin_from_end;
-                     });
+  return markReturns(scan, stamped, max_age_, footprint_, velocities_);
 }
 
 void MaskInput::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
