@@ -5,9 +5,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
-#include <stdexcept>
 
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "radar_dot/vision/camera_intrinsics.h"

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nodelets/depth_nodelet.h"
 
-#include <cmath>
 #include <limits>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/bodies/shapes.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "simulation/frames.h"

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/scenarios/scenario_kit.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace radar_dot::simulation {
