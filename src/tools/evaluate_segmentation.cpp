@@ -34,8 +34,7 @@ struct Options {
         "evidence, previous pair, memory; one table, and in --json");
     fields.add("best", best,
                "All that --ablation adds: --score uncertainty --forward-backward --refine --refine-ground "
-               "--look-back "
-               "--memory 0.4");
+               "--look-back --memory 0.4");
     fields.add(
         "compare_loop", compare_loop,
         "Run with neither of --mask-to-velocity and --radar-gain (its default where it is 0), with each and "
