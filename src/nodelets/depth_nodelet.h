@@ -9,7 +9,6 @@
 #include "nodelets/common/stream_nodelet.h"
 #include "nodelets/inputs/cloud_points.h"
 #include "nodelets/inputs/ego_motion.h"
-#include "nodelets/inputs/stamp_cache.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/vision/depth_estimator.h"
 
