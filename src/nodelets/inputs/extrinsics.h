@@ -20,8 +20,7 @@ class Extrinsics {
  public:
   /// @param base_frame  frame the mounts are given in
   /// @param handle      for the names of /tf and /tf_static; its callback queue is not used: TF is received
-  /// in a
-  ///                    thread of its own
+  ///                    in a thread of its own
   Extrinsics(const std::string& base_frame, const ros::NodeHandle& handle);
 
   /// T_base_from_sensor; none, and `error`, when TF knows no way between the two frames.
