@@ -7,6 +7,7 @@
 #include "evaluation/segmentation_results.h"
 #include "evaluator.h"
 #include "progress_bar.h"
+#include "signal_watch.h"
 
 namespace {
 
