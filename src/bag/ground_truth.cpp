@@ -35,12 +35,6 @@ std::vector<StampedPose> relativePoses(const Tables& tables, const std::vector<I
   return relative;
 }
 
-bool moves(const Tables& tables, const dataset::SampleAnnotation& annotation) {
-  return std::any_of(annotation.attributes.begin(), annotation.attributes.end(), [&tables](Index index) {
-    return dataset::isMovingAttribute(at(tables.attributes, index).name);
-  });
-}
-
 visualization_msgs::Marker emptyMarker(const ros::Time& stamp) {
   visualization_msgs::Marker marker;
   marker.header.stamp = stamp;
@@ -105,7 +99,7 @@ visualization_msgs::MarkerArray toBoxes(const Tables& tables, Index sample) {
     box.scale.x = annotation.size[1];
     box.scale.y = annotation.size[0];
     box.scale.z = annotation.size[2];
-    const bool moving = moves(tables, annotation);
+    const bool moving = isMoving(tables, annotation);
     box.color.r = moving ? 0.9F : 0.1F;
     box.color.g = 0.3F;
     box.color.b = moving ? 0.1F : 0.9F;

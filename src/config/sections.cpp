@@ -92,8 +92,7 @@ void EgoVelocityConfig::describe(FieldList& fields) {
   extraction.describe(fields);
   fields.add("bearing_delay", bearing_delay,
              "Time by which the positions of returns are later than their velocities: in turns bearings are "
-             "turned back "
-             "accordingly",
+             "turned back accordingly",
              "s", {-1.0, 1.0});
   estimator.describe(fields);
   fields.group("Filter");

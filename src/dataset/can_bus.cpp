@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "can_fields.h"
 #include "json_records.h"
 #include "json_table_writer.h"
 
@@ -14,17 +15,28 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
+void readValue(const Record& record, std::size_t field, double& value) { value = record.number(field); }
+void readValue(const Record& record, std::size_t field, std::array<double, 3>& value) {
+  value = record.numbers<3>(field);
+}
+void readValue(const Record& record, std::size_t field, std::array<double, 4>& value) {
+  value = record.quaternion(field);
+}
+
 /// Reads can_bus/<scene>_<part>.json in the order of time; nothing where it does not exist.
-template <typename Row, typename Read>
+template <typename Row>
 std::vector<Row> readPart(const std::filesystem::path& dataroot, std::string_view scene,
-                          std::string_view part, const Record::FieldNames& fields, const Read& read) {
+                          std::string_view part) {
   const std::string label = fmt::format("can_bus/{}_{}.json", scene, part);
   std::vector<Row> rows;
   if (!std::filesystem::exists(dataroot / label)) return rows;
-  readRecords(dataroot / label, label, fields, [&](const Record& record) {
+  Record::FieldNames names = {"utime"};
+  forEachCanField(Row(), [&](std::string_view name, const auto&) { names.push_back(name); });
+  readRecords(dataroot / label, label, names, [&](const Record& record) {
     Row& row = rows.emplace_back();
     row.timestamp_us = record.integer(0);
-    read(record, row);
+    std::size_t field = 0;
+    forEachCanField(row, [&](std::string_view, auto& value) { readValue(record, ++field, value); });
   });
   std::stable_sort(rows.begin(), rows.end(),
                    [](const Row& a, const Row& b) { return a.timestamp_us < b.timestamp_us; });
@@ -32,14 +44,14 @@ std::vector<Row> readPart(const std::filesystem::path& dataroot, std::string_vie
 }
 
 /// Writes can_bus/<scene>_<part>.json; nothing where there are no rows.
-template <typename Row, typename Write>
+template <typename Row>
 void writePart(const std::filesystem::path& dataroot, std::string_view scene, std::string_view part,
-               const std::vector<Row>& rows, const Write& write) {
+               const std::vector<Row>& rows) {
   if (rows.empty()) return;
   JsonTableWriter file(dataroot / fmt::format("can_bus/{}_{}.json", scene, part));
   for (const Row& row : rows) {
     file.record().set("utime", row.timestamp_us);
-    write(file, row);
+    forEachCanField(row, [&](std::string_view name, const auto& value) { file.set(name, value); });
   }
   file.finish();
 }
@@ -52,58 +64,14 @@ double rearAxleSpeed(const CanVehicleInfo& info) noexcept {
 }
 
 CanBus readCanBus(const std::filesystem::path& dataroot, std::string_view scene) {
-  CanBus can_bus;
-  can_bus.poses = readPart<CanPose>(dataroot, scene, "pose",
-                                    {"utime", "pos", "orientation", "vel", "accel", "rotation_rate"},
-                                    [](const Record& record, CanPose& row) {
-                                      row.position = record.numbers<3>(1);
-                                      row.orientation = record.quaternion(2);
-                                      row.velocity = record.numbers<3>(3);
-                                      row.acceleration = record.numbers<3>(4);
-                                      row.rotation_rate = record.numbers<3>(5);
-                                    });
-  can_bus.imu = readPart<CanImu>(dataroot, scene, "ms_imu", {"utime", "linear_accel", "q", "rotation_rate"},
-                                 [](const Record& record, CanImu& row) {
-                                   row.linear_acceleration = record.numbers<3>(1);
-                                   row.orientation = record.quaternion(2);
-                                   row.rotation_rate = record.numbers<3>(3);
-                                 });
-  can_bus.vehicle = readPart<CanVehicleInfo>(dataroot, scene, "zoe_veh_info",
-                                             {"utime", "FL_wheel_speed", "FR_wheel_speed", "RL_wheel_speed",
-                                              "RR_wheel_speed", "odom_speed", "steer_corrected"},
-                                             [](const Record& record, CanVehicleInfo& row) {
-                                               row.front_left_rpm = record.number(1);
-                                               row.front_right_rpm = record.number(2);
-                                               row.rear_left_rpm = record.number(3);
-                                               row.rear_right_rpm = record.number(4);
-                                               row.odometer_speed_kph = record.number(5);
-                                               row.steering_angle_deg = record.number(6);
-                                             });
-  return can_bus;
+  return {readPart<CanPose>(dataroot, scene, "pose"), readPart<CanImu>(dataroot, scene, "ms_imu"),
+          readPart<CanVehicleInfo>(dataroot, scene, "zoe_veh_info")};
 }
 
 void writeCanBus(const std::filesystem::path& dataroot, std::string_view scene, const CanBus& can_bus) {
-  writePart(dataroot, scene, "pose", can_bus.poses, [](JsonTableWriter& record, const CanPose& row) {
-    record.set("accel", row.acceleration)
-        .set("orientation", row.orientation)
-        .set("pos", row.position)
-        .set("rotation_rate", row.rotation_rate)
-        .set("vel", row.velocity);
-  });
-  writePart(dataroot, scene, "ms_imu", can_bus.imu, [](JsonTableWriter& record, const CanImu& row) {
-    record.set("linear_accel", row.linear_acceleration)
-        .set("q", row.orientation)
-        .set("rotation_rate", row.rotation_rate);
-  });
-  writePart(dataroot, scene, "zoe_veh_info", can_bus.vehicle,
-            [](JsonTableWriter& record, const CanVehicleInfo& row) {
-              record.set("FL_wheel_speed", row.front_left_rpm)
-                  .set("FR_wheel_speed", row.front_right_rpm)
-                  .set("RL_wheel_speed", row.rear_left_rpm)
-                  .set("RR_wheel_speed", row.rear_right_rpm)
-                  .set("odom_speed", row.odometer_speed_kph)
-                  .set("steer_corrected", row.steering_angle_deg);
-            });
+  writePart(dataroot, scene, "pose", can_bus.poses);
+  writePart(dataroot, scene, "ms_imu", can_bus.imu);
+  writePart(dataroot, scene, "zoe_veh_info", can_bus.vehicle);
 }
 
 }  // namespace radar_dot::dataset

@@ -18,17 +18,7 @@ namespace {
 constexpr int kMaxSide = 1 << 15;  ///< px
 constexpr std::size_t kMinPolygonNumbers = 6;
 
-enum Field : std::size_t {
-  kToken,
-  kSampleData,
-  kFilename,
-  kBox,
-  kCategory,
-  kMask,
-  kAttributes,
-  kInstance,
-  kVisibility
-};
+enum { kToken, kSampleData, kFilename, kBox, kCategory, kMask, kAttributes, kInstance, kVisibility };
 
 std::filesystem::path maskFile(const Tables& tables) {
   return tables.dataroot() / tables.version() / "nuinsseg.json";
@@ -200,6 +190,12 @@ bool isMoving(const Tables& tables, const InstanceMask& instance) {
     const auto& tokens = instance.attribute_tokens;
     return isMovingAttribute(attribute.name) &&
            std::find(tokens.begin(), tokens.end(), attribute.token) != tokens.end();
+  });
+}
+
+bool isMoving(const Tables& tables, const SampleAnnotation& annotation) {
+  return std::any_of(annotation.attributes.begin(), annotation.attributes.end(), [&](Index attribute) {
+    return isMovingAttribute(at(tables.attributes, attribute).name);
   });
 }
 

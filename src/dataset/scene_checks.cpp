@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "can_fields.h"
 #include "vocabulary.h"
 
 namespace radar_dot::dataset {
@@ -196,30 +197,24 @@ class SceneCheck {
   }
 
   void checkCanBus() {
-    const CanBus& can_bus = scene_.can_bus;
-    checkCanPart("CAN pose", can_bus.poses, [&](const CanPose& row) {
-      requireRotation(row.orientation);
-      return isFinite(row.position) && isFinite(row.velocity) && isFinite(row.acceleration) &&
-             isFinite(row.rotation_rate);
-    });
-    checkCanPart("CAN IMU message", can_bus.imu, [&](const CanImu& row) {
-      requireRotation(row.orientation);
-      return isFinite(row.linear_acceleration) && isFinite(row.rotation_rate);
-    });
-    checkCanPart("CAN vehicle message", can_bus.vehicle, [](const CanVehicleInfo& row) {
-      return isFinite(std::array<double, 6>{row.front_left_rpm, row.front_right_rpm, row.rear_left_rpm,
-                                            row.rear_right_rpm, row.odometer_speed_kph,
-                                            row.steering_angle_deg});
-    });
+    checkCanPart("CAN pose", scene_.can_bus.poses);
+    checkCanPart("CAN IMU message", scene_.can_bus.imu);
+    checkCanPart("CAN vehicle message", scene_.can_bus.vehicle);
   }
 
-  template <typename Row, typename AllFinite>
-  void checkCanPart(std::string_view part, const std::vector<Row>& rows, const AllFinite& all_finite) {
+  template <typename Row>
+  void checkCanPart(std::string_view part, const std::vector<Row>& rows) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       enter(part, i);
       require(i == 0 || rows[i - 1].timestamp_us < rows[i].timestamp_us, "not later than the one before it");
-      require(all_finite(rows[i]), "a value is not finite");
+      forEachCanField(rows[i], [this](std::string_view, const auto& value) { checkCanValue(value); });
     }
+  }
+  void checkCanValue(double value) const { checkCanValue(std::array<double, 1>{value}); }
+  void checkCanValue(const std::array<double, 4>& rotation) const { requireRotation(rotation); }
+  template <std::size_t N>
+  void checkCanValue(const std::array<double, N>& value) const {
+    require(isFinite(value), "a value is not finite");
   }
 
   const NewScene& scene_;

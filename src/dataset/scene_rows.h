@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "json_table_writer.h"
 #include "radar_dot/dataset/new_scene.h"

@@ -200,19 +200,7 @@ class TableLoader {
   }
 
   void readSampleData() {
-    enum {
-      kToken,
-      kSample,
-      kPose,
-      kCalibration,
-      kTimestamp,
-      kKeyFrame,
-      kHeight,
-      kWidth,
-      kFilename,
-      kPrevious,
-      kNext
-    };
+    enum { kToken, kSample, kPose, kMount, kTime, kKeyFrame, kHeight, kWidth, kFilename, kPrevious, kNext };
     PendingColumn previous{"prev", {}}, next{"next", {}};
     if (!filtering()) {
       const std::size_t bytes = fs::file_size(file("sample_data"));
@@ -227,8 +215,8 @@ class TableLoader {
                           tables_.sample_data, [&](const Record& record, SampleData& row) {
                             if (isOfOtherScene(record, kSample, samples_)) return false;
                             row.sample = reference(record, kSample, samples_);
-                            row.calibrated_sensor = reference(record, kCalibration, calibrations_);
-                            row.timestamp_us = record.integer(kTimestamp);
+                            row.calibrated_sensor = reference(record, kMount, calibrations_);
+                            row.timestamp_us = record.integer(kTime);
                             row.is_key_frame = record.boolean(kKeyFrame);
                             row.height = static_cast<std::uint16_t>(record.integer(kHeight, 0, UINT16_MAX));
                             row.width = static_cast<std::uint16_t>(record.integer(kWidth, 0, UINT16_MAX));
@@ -262,22 +250,18 @@ class TableLoader {
   }
 
   void readNames() {
-    enum { kToken, kName };
-    categories_ =
-        readTable("category", {"token", "name"}, tables_.categories, [](const Record& record, Category& row) {
-          row.name = record.text(kName);
-          return true;
-        });
-    attributes_ = readTable("attribute", {"token", "name"}, tables_.attributes,
-                            [](const Record& record, Attribute& row) {
-                              row.name = record.text(kName);
-                              return true;
-                            });
-    visibilities_ = readTable("visibility", {"token", "level"}, tables_.visibilities,
-                              [](const Record& record, Visibility& row) {
-                                row.level = record.text(kName);
-                                return true;
-                              });
+    categories_ = readNames("category", "name", tables_.categories, &Category::name);
+    attributes_ = readNames("attribute", "name", tables_.attributes, &Attribute::name);
+    visibilities_ = readNames("visibility", "level", tables_.visibilities, &Visibility::level);
+  }
+
+  template <typename Row>
+  TableSource<Row> readNames(std::string_view table, std::string_view field, std::vector<Row>& rows,
+                             std::string Row::*name) {
+    return readTable(table, {"token", field}, rows, [name](const Record& record, Row& row) {
+      row.*name = record.text(1);
+      return true;
+    });
   }
 
   void readAnnotations() {

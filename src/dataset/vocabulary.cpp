@@ -3,7 +3,6 @@
 #include "vocabulary.h"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 
 #include "json_table_writer.h"

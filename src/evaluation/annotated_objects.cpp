@@ -25,13 +25,9 @@ MoverKind kindOf(const std::string& category) {
 
 BoxState stateOf(const Tables& tables, const SampleAnnotation& annotation, const MovingBox& box,
                  double min_speed) {
-  const bool called_moving =
-      std::any_of(annotation.attributes.begin(), annotation.attributes.end(), [&](dataset::Index attribute) {
-        return dataset::isMovingAttribute(tables.attributes[at(attribute)].name);
-      });
   const bool has_speed = annotation.previous != kNone || annotation.next != kNone;
   const bool is_fast = box.velocity.head<2>().norm() >= min_speed;
-  if (!has_speed || called_moving != is_fast) return BoxState::kUnknown;
+  if (!has_speed || isMoving(tables, annotation) != is_fast) return BoxState::kUnknown;
   return is_fast ? BoxState::kMoves : BoxState::kStands;
 }
 

@@ -3,7 +3,6 @@
 #include "radar_dot/evaluation/annotation_labels.h"
 
 #include <cmath>
-#include <limits>
 
 #include "radar_dot/common/stamps.h"
 

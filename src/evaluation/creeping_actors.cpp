@@ -29,19 +29,11 @@ using dataset::SampleAnnotation;
 // m between two keyframes; boxes are rounded to millimetres.
 constexpr double kLeastWay = 0.01;
 
-Eigen::Vector3d centreOf(const SampleAnnotation& box) {
-  return {box.translation[0], box.translation[1], box.translation[2]};
-}
-
-bool isCalledMoving(const dataset::Tables& tables, const SampleAnnotation& box) {
-  return std::any_of(box.attributes.begin(), box.attributes.end(), [&tables](Index attribute) {
-    return dataset::isMovingAttribute(tables.attributes[at(attribute)].name);
-  });
-}
-
 bool moves(const dataset::Tables& tables, const SampleAnnotation& box) {
   const Index other = box.next != kNone ? box.next : box.previous;
-  return other != kNone && (centreOf(tables.annotations[at(other)]) - centreOf(box)).norm() > kLeastWay;
+  if (other == kNone) return false;
+  const Eigen::Isometry3d there = tables.annotations[at(other)].T_map_from_box();
+  return (there.translation() - box.T_map_from_box().translation()).norm() > kLeastWay;
 }
 
 }  // namespace
@@ -69,7 +61,7 @@ cv::Mat CreepingActors::shownBy(Index reading) const {
   std::set<std::uint16_t> creeping;
   for (const Index row : tables_.annotationsOf(tables_.sample_data[at(reading)].sample)) {
     const SampleAnnotation& box = tables_.annotations[at(row)];
-    if (isCalledMoving(tables_, box) || !moves(tables_, box)) continue;
+    if (isMoving(tables_, box) || !moves(tables_, box)) continue;
     const auto number = numbers_.find(tables_.instances[at(box.instance)].token);
     if (number != numbers_.end()) creeping.insert(number->second);
   }

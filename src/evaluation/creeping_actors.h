@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <map>
 #include <opencv2/core/mat.hpp>
-#include <string>
 
 #include "radar_dot/dataset/tables.h"
 

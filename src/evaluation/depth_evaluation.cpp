@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <stdexcept>
 
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "report_format.h"

@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <stdexcept>
-#include <utility>
 
 #include "radar_dot/radar/odometry.h"
 #include "radar_scene.h"

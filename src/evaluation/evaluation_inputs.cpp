@@ -32,8 +32,7 @@ void DepthInputOptions::describe(FieldList& fields) {
       "Folder of 16-bit PNG depths (m * 256, 0: unknown), named after the image, for depth_backend files");
   fields.add("depth_radar_channels", depth_radar_channels,
              "Radars that depth sees; empty: RADAR_FRONT for depth_backend torch, whose networks are trained "
-             "with it, "
-             "otherwise all");
+             "with it, otherwise all");
 }
 
 void SavedMaskOptions::describe(FieldList& fields) {
@@ -41,8 +40,7 @@ void SavedMaskOptions::describe(FieldList& fields) {
   fields.add("mask_channel", channel, "Channel of the camera of the masks");
   fields.add("mask_delay", delay,
              "Time from an image until its mask is available; 0.5 is what a vehicle has with pairs of "
-             "keyframes, with 0 "
-             "a mask is used before its second image was taken",
+             "keyframes, with 0 a mask is used before its second image was taken",
              "s", {0.0, 1000.0});
 }
 

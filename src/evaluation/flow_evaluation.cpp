@@ -5,13 +5,10 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
-#include <stdexcept>
 
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "radar_dot/vision/camera_intrinsics.h"
-#include "radar_dot/vision/rigid_motion.h"
 #include "report_format.h"
 #include "scene_images.h"
 #include "segmentation_images.h"

@@ -79,8 +79,7 @@ cv::Mat noisyDepth(const cv::Mat& true_depth, const NoisyDepthParams& params, st
       !(params.hole_share >= 0.0 && params.hole_share <= 1.0) || params.cell < 1 || params.bleeding < 0)
     throw std::invalid_argument(
         "noisy depth: relative_std, growth and bleeding must not be negative, cell positive, hole_share "
-        "between 0 "
-        "and 1");
+        "between 0 and 1");
   Uniform uniform(seed);
   cv::Mat depth = bled(true_depth, scaled(params.bleeding, true_depth));
   const cv::Mat field = smoothField(depth.size(), scaled(params.cell, depth), uniform);

@@ -3,7 +3,6 @@
 #include "object_masks.h"
 
 #include <limits>
-#include <stdexcept>
 
 #include "radar_dot/objects/mask_regions.h"
 #include "segmentation_images.h"

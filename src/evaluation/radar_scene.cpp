@@ -34,16 +34,14 @@ std::vector<std::string> radarChannels(const Tables& tables, Index scene,
   for (const std::string& channel : tables.channelsOf(scene)) {
     if (isRadar(tables, channel)) available.push_back(channel);
   }
-  std::string names;
-  for (const std::string& channel : available) names += (names.empty() ? "" : ", ") + channel;
   const std::string& scene_name = tables.scenes[at(scene)].name;
   if (available.empty()) {
     throw DatasetError(fmt::format("{}: no radar readings in sample_data.json", scene_name));
   }
   for (const std::string& channel : wanted) {
     if (std::find(available.begin(), available.end(), channel) == available.end()) {
-      throw DatasetError(
-          fmt::format("{}: channel '{}' is not one of its radars: {}", scene_name, channel, names));
+      throw DatasetError(fmt::format("{}: channel '{}' is not one of its radars: {}", scene_name, channel,
+                                     fmt::join(available, ", ")));
     }
   }
   if (wanted.empty()) return available;

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -218,10 +217,8 @@ void SegmentationEvaluationOptions::describe(FieldList& fields) {
   fields.add("rotation", rotation, "Rotation of the vehicle between the images of a pair");
   fields.add("min_true_residual", min_true_residual,
              "Movers whose true flow differs less from that of a static world, or that the second image does "
-             "not show, "
-             "do not count, nor do road users that creep too slowly to be annotated as moving; needs the "
-             "ground truth "
-             "of a simulated dataroot; 0: all count",
+             "not show, do not count, nor do road users that creep too slowly to be annotated as moving; "
+             "needs the ground truth of a simulated dataroot; 0: all count",
              "px", {0.0, 10000.0});
   fields.add("mask_to_velocity", mask_to_velocity,
              "Returns in the latest mask are dynamic in the next velocity estimates");

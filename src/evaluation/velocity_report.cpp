@@ -145,8 +145,7 @@ std::string formatTable(const std::vector<VelocityReport>& scenes, const Velocit
   if (overall.filtered.vx.count > 0) {
     causal = table(
                  "Latest sweep at or before the middle of each pair, mean absolute error (m/s, rad/s): "
-                 "single, and "
-                 "filtered over the sweeps up to it; sweeps the filter rejected, and its starts",
+                 "single, and filtered over the sweeps up to it; sweeps the filter rejected, and its starts",
                  causalColumns()) +
              "\n";
   }

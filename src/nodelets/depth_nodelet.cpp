@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nodelets/depth_nodelet.h"
 
-#include <cmath>
 #include <limits>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
@@ -14,17 +13,10 @@
 namespace radar_dot {
 namespace {
 
-/// @throws InvalidParameter for a backend that cannot be made: naming what chooses it
 std::unique_ptr<DepthEstimator> estimatorOf(const DepthParams& params) {
-  try {
-    return makeDepthEstimator(params);
-  } catch (const InvalidParameter&) {
-    throw;
-  } catch (const std::exception& error) {
-    const std::vector<const void*> members = {&params.backend, &params.network.model, &params.network.device,
-                                              &params.network.threads};
-    throw InvalidParameter(namesOf(params, members), error.what());
-  }
+  const auto& network = params.network;
+  return made(params, {&params.backend, &network.model, &network.device, &network.threads},
+              makeDepthEstimator);
 }
 
 /// What is no depth becomes NaN. @return share of the pixels that is known

@@ -3,7 +3,6 @@
 #include "nodelets/dynamic_segmentation_nodelet.h"
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>

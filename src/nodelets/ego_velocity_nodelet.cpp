@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <pluginlib/class_list_macros.hpp>
-#include <stdexcept>
 #include <utility>
 
 #include "nodelets/messages/cloud_conversion.h"

@@ -6,7 +6,6 @@
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
-#include <utility>
 
 #include "nodelets/common/read_parameters.h"
 #include "radar_dot/objects/object_detection.h"

@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "nodelets/common/stream_nodelet.h"
 #include "nodelets/inputs/cloud_points.h"

@@ -21,18 +21,12 @@ constexpr double kTwistHold = 0.3;         // s that the latest twist holds; onl
 // Of the asked-for interval: images are not taken exactly in time.
 constexpr double kIntervalTolerance = 0.1;
 
-/// @throws InvalidParameter for a backend that cannot be made: naming what chooses it
 std::unique_ptr<OpticalFlow> flowOf(const OpticalFlowParams& params) {
-  try {
-    return makeOpticalFlow(params);
-  } catch (const InvalidParameter&) {
-    throw;
-  } catch (const std::exception& error) {
-    const std::vector<const void*> members = {&params.backend,        &params.network.model,
-                                              &params.network.device, &params.network.threads,
-                                              &params.network_width,  &params.network_height};
-    throw InvalidParameter(namesOf(params, members), error.what());
-  }
+  const auto& network = params.network;
+  return made(params,
+              {&params.backend, &network.model, &network.device, &network.threads, &params.network_width,
+               &params.network_height},
+              makeOpticalFlow);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "nodelets/common/stream_nodelet.h"
 #include "nodelets/inputs/ego_motion.h"

@@ -2,10 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nodelets/overlay_nodelet.h"
 
-#include <algorithm>
 #include <cmath>
 #include <pluginlib/class_list_macros.hpp>
-#include <stdexcept>
 #include <utility>
 
 namespace radar_dot {

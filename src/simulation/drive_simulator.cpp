@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <opencv2/imgcodecs.hpp>
 #include <utility>
 
@@ -131,7 +132,7 @@ class Drive {
     }
     // In the order of time, so that the time left can be told from the time passed.
     order_.resize(plan_.readings.size());
-    for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = i;
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
       return plan_.readings[a].timestamp_us < plan_.readings[b].timestamp_us;
     });

@@ -13,6 +13,7 @@
 
 #include "parameter_document.h"
 #include "radar_dot/common/did_you_mean.h"
+#include "signal_watch.h"
 #include "text_layout.h"
 
 namespace radar_dot::tools {
@@ -276,6 +277,21 @@ int CommandLine::complain(const std::string& line) const {
     if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
   std::fputs((text + "\n").c_str(), stderr);
   return kUsageError;
+}
+
+int CommandLine::run(const std::string& interrupted, const std::function<void()>& work) const {
+  try {
+    work();
+    return EXIT_SUCCESS;
+  } catch (const InvalidParameter& error) {
+    return refuse(error);
+  } catch (const Interrupted& interrupt) {
+    fmt::print(stderr, "{}: interrupted; {}\n", tool_, interrupted);
+    return kSignalBase + interrupt.signal;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", tool_, error.what());
+    return EXIT_FAILURE;
+  }
 }
 
 int CommandLine::refuse(const std::string& what) const { return complain(what + " (see --help)"); }

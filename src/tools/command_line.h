@@ -71,6 +71,10 @@ class CommandLine {
   /// The same of one member of what the fields describe.
   bool givenMember(const void* member) const { return given_.count(member) > 0; }
 
+  /// Runs the work of the tool. What goes wrong is one line on standard error.
+  /// @param interrupted  what is left of the work after a signal
+  /// @return the exit code
+  int run(const std::string& interrupted, const std::function<void()>& work) const;
   /// Says on standard error what is wrong with how the tool was called: "tool: what (see --help)".
   /// @return kUsageError
   int refuse(const std::string& what) const;

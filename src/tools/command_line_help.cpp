@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <string>
-#include <vector>
 
 #include "command_line.h"
 #include "text_layout.h"

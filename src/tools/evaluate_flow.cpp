@@ -46,8 +46,7 @@ int main(int argc, char** argv) {
   tools::Evaluator<Options> evaluator(
       "evaluate_flow",
       "Scores optical flow by its end-point error, against the exact flow of a simulated dataroot or on one "
-      "pair of "
-      "images with the true flow, as KITTI has it.",
+      "pair of images with the true flow, as KITTI has it.",
       {"evaluate_flow --dataroot sim --pairs next",
        "evaluate_flow --first frame1.png --second frame2.png --flow-truth flow_gt.png --working-width 0"},
       "v1.0-sim");

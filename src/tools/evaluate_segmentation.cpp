@@ -7,6 +7,7 @@
 #include "evaluation/segmentation_results.h"
 #include "evaluator.h"
 #include "progress_bar.h"
+#include "signal_watch.h"
 
 namespace {
 
@@ -34,8 +35,7 @@ struct Options {
         "evidence, previous pair, memory; one table, and in --json");
     fields.add("best", best,
                "All that --ablation adds: --score uncertainty --forward-backward --refine --refine-ground "
-               "--look-back "
-               "--memory 0.4");
+               "--look-back --memory 0.4");
     fields.add(
         "compare_loop", compare_loop,
         "Run with neither of --mask-to-velocity and --radar-gain (its default where it is 0), with each and "

@@ -2,11 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <fmt/format.h>
-
-#include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,7 +12,6 @@
 #include "radar_dot/dataset/tables.h"
 #include "result_files.h"
 #include "scene_loop.h"
-#include "signal_watch.h"
 
 // What the evaluators have in common.
 
@@ -90,19 +84,10 @@ struct Evaluator {
   int run(int argc, char** argv, const Evaluate& evaluate) {
     command_line.addOutputs("", fieldsOf(files));
     if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;
-    try {
+    return command_line.run("no results are written", [&] {
       files.check();
       evaluate();
-      return EXIT_SUCCESS;
-    } catch (const InvalidParameter& error) {
-      return command_line.refuse(error);
-    } catch (const Interrupted& interrupt) {
-      fmt::print(stderr, "{}: interrupted; no results are written\n", name);
-      return kSignalBase + interrupt.signal;
-    } catch (const std::exception& error) {
-      fmt::print(stderr, "{}: {}\n", name, error.what());
-      return EXIT_FAILURE;
-    }
+    });
   }
 
   /// Evaluates all scenes by evaluate(tables, row of the scene) -> Report, see scene_loop.h.

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <exception>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,10 +27,7 @@ using radar_dot::dataset::Index;
 using radar_dot::dataset::InstanceMask;
 using radar_dot::dataset::LoadOptions;
 using radar_dot::dataset::Tables;
-using radar_dot::tools::Interrupted;
 using radar_dot::tools::SignalWatch;
-
-constexpr int kFailure = 1;
 
 struct Arguments {
   std::string dataroot;
@@ -129,14 +125,5 @@ int main(int argc, char** argv) {
   command_line.require("dataroot");
   command_line.exclude("all", "scenes");
   if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;
-  try {
-    run(arguments);
-  } catch (const Interrupted& interrupt) {
-    std::fputs("nuscenes_to_bag: interrupted; the scene it was at has no bag\n", stderr);
-    return radar_dot::tools::kSignalBase + interrupt.signal;
-  } catch (const std::exception& error) {
-    std::fputs(fmt::format("nuscenes_to_bag: {}\n", error.what()).c_str(), stderr);
-    return kFailure;
-  }
-  return 0;
+  return command_line.run("the scene it was at has no bag", [&arguments] { run(arguments); });
 }

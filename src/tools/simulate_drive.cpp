@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <exception>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -24,8 +23,6 @@ namespace {
 
 namespace simulation = radar_dot::simulation;
 using radar_dot::dataset::DatarootWriter;
-
-constexpr int kFailure = 1;
 
 enum class Suite { kNone, kMini };
 
@@ -131,21 +128,14 @@ int main(int argc, char** argv) {
   command_line.require("output", "list", [&arguments] { return !arguments.list; });
   command_line.exclude("scenarios", "suite");
   if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;
-  try {
-    if (arguments.list)
-      list();
-    else
+  return command_line.run("nothing is left of it", [&arguments] {
+    try {
+      if (arguments.list) return list();
       run(arguments);
-  } catch (const radar_dot::tools::Interrupted& interrupt) {
-    std::fputs("simulate_drive: interrupted; nothing is left of it\n", stderr);
-    return radar_dot::tools::kSignalBase + interrupt.signal;
-  } catch (const radar_dot::InvalidParameter& error) {
-    return command_line.refuse(error);
-  } catch (const std::invalid_argument& error) {
-    return command_line.refuse(std::string(error.what()));
-  } catch (const std::exception& error) {
-    std::fputs(fmt::format("simulate_drive: {}\n", error.what()).c_str(), stderr);
-    return kFailure;
-  }
-  return 0;
+    } catch (const radar_dot::InvalidParameter&) {
+      throw;
+    } catch (const std::invalid_argument& error) {  // names of scenarios and folders are arguments as well
+      throw radar_dot::InvalidParameter({}, error.what());
+    }
+  });
 }

@@ -39,8 +39,7 @@ std::string loadBackendLibrary(const std::string& name) {
   if (!is_missing) return fmt::format("; its library cannot be loaded: {}", reason);
   if (name != "torch") return {};
   return "; 'torch' is built where libtorch is found: install libtorch-dev and libopenblas0-pthread "
-         "(Debian), "
-         "or set Torch_DIR to another libtorch, and configure and build radar_dot again";
+         "(Debian), or set Torch_DIR to another libtorch, and configure and build radar_dot again";
 }
 
 }  // namespace radar_dot

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 
 #include "radar_dot/vision/motion_history.h"
 #include "radar_dot/vision/rigid_motion.h"
@@ -42,23 +41,20 @@ void MaskPipelineParams::describe(FieldList& fields) {
   fields.group("Uncertainty");
   fields.add("use_depth_uncertainty", use_depth_uncertainty,
              "Take the uncertainty of depth from depth/uncertainty, pixel by pixel, where available; for the "
-             "refinement as "
-             "well");
+             "refinement as well");
   motion_uncertainty.describe(fields);
   fields.group("Refinement");
   fields.add("refine", refine,
              "Refine the motion, pitch and roll above all, by the image; published on ego/twist_refined");
   fields.add("refine_ground", refine_ground,
              "The depth shows the ground plane below, as depth_backend radar_ground draws it: refine its "
-             "pitch and height as "
-             "well");
+             "pitch and height as well");
   ground.describe(fields);
   refinement.describe(fields);
   fields.group("History");
   fields.add("look_back", look_back,
              "Score the first image against the previous image as well; needs the backward flow "
-             "(forward_backward; score "
-             "uncertainty)");
+             "(forward_backward; score uncertainty)");
   fields.add(
       "memory", memory,
       "Time constant with which the previous mask, warped with the flow as log-odds, decays; 0: off (score "

@@ -223,6 +223,26 @@ void Refiner::step() {
   motion_ = small * motion_;
 }
 
+/// The values with those of `ground` where the depth shows the drawn one.
+cv::Mat withGround(const cv::Mat& values, const cv::Mat& depth, const CameraIntrinsics& camera,
+                   const GroundPlane& drawn, const cv::Mat& ground) {
+  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  const cv::Mat before =
+      groundDepth(camera, drawn.T_base_from_camera, drawn.params.height, drawn.params.pitch, kEverywhere);
+  cv::Mat exchanged = values.clone();
+  for (int row = 0; row < depth.rows; ++row) {
+    const auto* depths = depth.ptr<float>(row);
+    const auto* old_ground = before.ptr<float>(row);
+    const auto* new_values = ground.ptr<float>(row);
+    auto* pixels = exchanged.ptr<float>(row);
+    for (int column = 0; column < depth.cols; ++column) {
+      if (std::fabs(depths[column] / old_ground[column] - 1.0F) < static_cast<float>(kSameDepth))
+        pixels[column] = new_values[column];
+    }
+  }
+  return exchanged;
+}
+
 }  // namespace
 
 Eigen::Matrix<double, 6, 6> baseMotionCovariance(const MotionUncertainty& uncertainty, double dt) {
@@ -266,22 +286,9 @@ RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundP
 cv::Mat replaceGroundDepth(const cv::Mat& depth, const CameraIntrinsics& camera, const GroundPlane& drawn,
                            const GroundPlane& refined, double max_depth) {
   requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
-  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
-  const cv::Mat before =
-      groundDepth(camera, drawn.T_base_from_camera, drawn.params.height, drawn.params.pitch, kEverywhere);
-  const cv::Mat after =
-      groundDepth(camera, refined.T_base_from_camera, refined.params.height, refined.params.pitch, max_depth);
-  cv::Mat exchanged = depth.clone();
-  for (int row = 0; row < depth.rows; ++row) {
-    const auto* old_ground = before.ptr<float>(row);
-    const auto* new_ground = after.ptr<float>(row);
-    auto* pixels = exchanged.ptr<float>(row);
-    for (int column = 0; column < depth.cols; ++column) {
-      if (std::fabs(pixels[column] / old_ground[column] - 1.0F) < static_cast<float>(kSameDepth))
-        pixels[column] = new_ground[column];
-    }
-  }
-  return exchanged;
+  return withGround(depth, depth, camera, drawn,
+                    groundDepth(camera, refined.T_base_from_camera, refined.params.height,
+                                refined.params.pitch, max_depth));
 }
 
 cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, const CameraIntrinsics& camera,
@@ -289,22 +296,8 @@ cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, cons
   requireImage(depth, CV_32FC1, camera, "depth", "CV_32FC1");
   requireImage(relative_std, CV_32FC1, camera, "relative_std", "CV_32FC1");
   if (!refined.ground) return relative_std;
-  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
-  const cv::Mat before =
-      groundDepth(camera, drawn.T_base_from_camera, drawn.params.height, drawn.params.pitch, kEverywhere);
-  const cv::Mat ground = groundRelativeStd(camera, drawn.T_base_from_camera, refined.ground->params);
-  cv::Mat exchanged = relative_std.clone();
-  for (int row = 0; row < depth.rows; ++row) {
-    const auto* old_ground = before.ptr<float>(row);
-    const auto* depths = depth.ptr<float>(row);
-    const auto* stds = ground.ptr<float>(row);
-    auto* pixels = exchanged.ptr<float>(row);
-    for (int column = 0; column < depth.cols; ++column) {
-      if (std::fabs(depths[column] / old_ground[column] - 1.0F) < static_cast<float>(kSameDepth))
-        pixels[column] = stds[column];
-    }
-  }
-  return exchanged;
+  return withGround(relative_std, depth, camera, drawn,
+                    groundRelativeStd(camera, drawn.T_base_from_camera, refined.ground->params));
 }
 
 void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, double max_depth,

@@ -73,8 +73,9 @@ cv::Mat decodeMask(const InstanceMask& instance);
 /// Does an attribute of this name say that its object moves: "*.moving" or "cycle.with_rider".
 bool isMovingAttribute(std::string_view name) noexcept;
 
-/// Does the instance move: an attribute "*.moving" or "cycle.with_rider".
+/// Does the object move: an attribute "*.moving" or "cycle.with_rider".
 bool isMoving(const Tables& tables, const InstanceMask& instance);
+bool isMoving(const Tables& tables, const SampleAnnotation& annotation);
 
 /// The paper's ground truth: union of the masks of the moving instances of one image, CV_8UC1
 /// 0 or 255, kMaskRows x kMaskColumns where no instance says otherwise.

@@ -69,8 +69,7 @@ struct EnumNames<evaluation::DepthTruth> {
       {evaluation::DepthTruth::kGroundTruth, "ground_truth", "of a simulated dataroot"},
       {evaluation::DepthTruth::kLidar, "lidar",
        "every second point of each beam of the nearest LIDAR_TOP sweep, moved to the time of the image as if "
-       "the world "
-       "were static; depth_backend lidar sees only the other points"}};
+       "the world were static; depth_backend lidar sees only the other points"}};
 };
 
 }  // namespace radar_dot

@@ -149,15 +149,6 @@ class VelocityFilter {
   Eigen::MatrixXd covariance_;
   std::vector<double> last_scan_;  ///< s, by radar: of its latest used measurement
 };
-template <>
-struct EnumNames<VelocityFilter::Outcome> {
-  static constexpr const char* kWhat = "outcome";
-  static constexpr EnumName<VelocityFilter::Outcome> kValues[] = {
-      {VelocityFilter::Outcome::kStarted, "started"},
-      {VelocityFilter::Outcome::kUpdated, "updated"},
-      {VelocityFilter::Outcome::kRejected, "rejected"},
-      {VelocityFilter::Outcome::kStale, "stale"}};
-};
 
 /// Velocity, covariance and observed axes of a filtered estimate: vx, vy and the yaw rate of `state`, the
 /// other axes and the figures of the latest single estimate. Without residuals and labels, which belong to

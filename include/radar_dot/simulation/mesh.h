@@ -112,6 +112,8 @@ class MeshBuilder {
         surfaces.push_back(surface_of(row, column));
     addGrid(points, rows, columns, surfaces, closed_columns);
   }
+  /// The same of one surface, the one in use. The number of rows is that of the points.
+  void sheet(const std::vector<Eigen::Vector3f>& points, int columns, bool closed_columns = true);
   /// Everything of another mesh, moved.
   void add(const Mesh& mesh, const Eigen::Isometry3f& T_this_from_mesh = Eigen::Isometry3f::Identity());
 

@@ -3,10 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <optional>
 #include <vector>
 
 #include "radar_dot/vision/camera_intrinsics.h"

@@ -25,17 +25,19 @@ constexpr std::size_t kWaiting = 1;
 void StreamMonitor::tick(const ros::Time& stamp, const ros::Time& arrival) {
   if (!stamps_.empty() && stamp <= stamps_.back()) stamps_.clear();
   stamps_.push_back(stamp);
-  if (stamps_.size() > kRateStamps) stamps_.pop_front();
-  last_arrival_ = arrival;
-  // Differences of ros::Time throw where a wrong stamp is decades away.
-  age_ = arrival.toSec() - stamp.toSec();
+  note(stamp, arrival);
 }
 
 void StreamMonitor::tickUnordered(const ros::Time& stamp, const ros::Time& arrival) {
   // Several may arrive at one time of a replay's clock.
   if (stamps_.empty() || arrival > stamps_.back()) stamps_.push_back(arrival);
+  note(stamp, arrival);
+}
+
+void StreamMonitor::note(const ros::Time& stamp, const ros::Time& arrival) {
   if (stamps_.size() > kRateStamps) stamps_.pop_front();
   last_arrival_ = arrival;
+  // Differences of ros::Time throw where a wrong stamp is decades away.
   age_ = arrival.toSec() - stamp.toSec();
 }
 

@@ -48,6 +48,8 @@ class StreamMonitor {
   void report(const ros::Time& now, diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
  private:
+  void note(const ros::Time& stamp, const ros::Time& arrival);
+
   StreamExpectation expectation_;
   std::deque<ros::Time> stamps_;
   ros::Time last_arrival_;

@@ -73,6 +73,19 @@ std::vector<std::string> namesOf(const Config& config, const std::vector<const v
   return names;
 }
 
+/// What `make()` makes of the parameters. @throws InvalidParameter for whatever goes wrong, naming the
+/// members that choose what is made where it does not name any itself
+template <typename Params, typename Make>
+auto made(const Params& params, const std::vector<const void*>& members, const Make& make) {
+  try {
+    return make(params);
+  } catch (const InvalidParameter&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw InvalidParameter(namesOf(params, members), error.what());
+  }
+}
+
 /// Why nothing can be subscribed by this name; empty: it can.
 std::string topicDefect(const ros::NodeHandle& handle, const std::string& topic);
 

@@ -12,7 +12,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "nodelets/common/read_parameters.h"
 #include "radar_dot/common/fields.h"

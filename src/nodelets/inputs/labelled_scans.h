@@ -36,8 +36,7 @@ struct LabelledScan {
 class LabelledScans {
  public:
   /// @throws std::invalid_argument as pointsOf(), for a cloud without residuals, and for one whose scan was
-  /// taken
-  ///         already, or that is older than one of its radar that was
+  ///         taken already, or that is older than one of its radar that was
   void add(const sensor_msgs::PointCloud2& cloud, ReturnLabel label, const Moment& now);
   /// The scans that are complete, in the order of their stamps, up to the first that still waits. One that
   /// has waited longer than `timeout` (s) goes as it is.

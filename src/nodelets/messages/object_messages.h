@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <set>
-#include <vector>
 
 #include "radar_dot/MovingObjects.h"
 #include "radar_dot/objects/object_tracker.h"

@@ -50,12 +50,12 @@ void BuildingFront::glazing(const Opening& hole, const Surface& pane, float setb
 }
 
 void BuildingFront::block(const Opening& area, float back, float front) {
-  builder_.box(Vector3f(area.left, back, area.bottom), Vector3f(area.right, front, area.top));
+  builder_.box({area.left, back, area.bottom}, {area.right, front, area.top});
 }
 
 void BuildingFront::sheet(const Opening& area, float y) {
-  builder_.quad(Vector3f(area.right, y, area.bottom), Vector3f(area.left, y, area.bottom),
-                Vector3f(area.left, y, area.top), Vector3f(area.right, y, area.top));
+  builder_.quad({area.right, y, area.bottom}, {area.left, y, area.bottom}, {area.left, y, area.top},
+                {area.right, y, area.top});
 }
 
 }  // namespace radar_dot::simulation

@@ -223,8 +223,8 @@ void addDetails(MeshBuilder& builder, const CarShape& shape, const std::vector<f
   const float side = 0.5F * shape.width;
   builder.use(plain(Material::kPlastic, 0.01F));
   for (const float axle : {shape.front_axle_x, shape.rear_axle_x})
-    builder.box(Vector3f(axle - 0.34F, -side + 0.3F, shape.clearance),
-                Vector3f(axle + 0.34F, side - 0.3F, shape.wheel_radius * 1.9F));
+    builder.box({axle - 0.34F, -side + 0.3F, shape.clearance},
+                {axle + 0.34F, side - 0.3F, shape.wheel_radius * 1.9F});
   builder.use(plain(Material::kPlastic, 0.05F));
   for (std::size_t i = 1; i < seams.size(); ++i)
     for (const float hand : {1.0F, -1.0F}) {
@@ -233,12 +233,12 @@ void addDetails(MeshBuilder& builder, const CarShape& shape, const std::vector<f
       builder.box(middle - Vector3f(0.09F, 0.018F, 0.013F), middle + Vector3f(0.09F, 0.018F, 0.013F));
     }
   const float bumper_z = mix(shape.clearance, shape.nose_z, 0.42F);
-  addNumberPlate(builder, Vector3f(0.5F * shape.length - 0.022F, 0, bumper_z), true);
+  addNumberPlate(builder, {0.5F * shape.length - 0.022F, 0, bumper_z}, true);
   const float plate_z =
       mix(shape.clearance, shape.deck(-0.5F * shape.length), shape.rear_doors ? 0.62F : 0.4F);
-  addNumberPlate(builder, Vector3f(-0.5F * shape.length + 0.022F, 0, plate_z), false);
-  addMirrors(builder, Vector3f(shape.cowl_x - 0.42F, side - 0.09F, shape.cowl_z + 0.02F),
-             Vector3f(0.11F, 0.16F, shape.height > 2.0F ? 0.28F : 0.13F));
+  addNumberPlate(builder, {-0.5F * shape.length + 0.022F, 0, plate_z}, false);
+  addMirrors(builder, {shape.cowl_x - 0.42F, side - 0.09F, shape.cowl_z + 0.02F},
+             {0.11F, 0.16F, shape.height > 2.0F ? 0.28F : 0.13F});
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "radar_dot/simulation/mesh.h"
-#include "radar_dot/simulation/model.h"
 
 namespace radar_dot::simulation {
 

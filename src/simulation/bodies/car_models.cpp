@@ -81,12 +81,9 @@ CarShape sportUtility(RandomStream& random) {
 std::shared_ptr<const Model> makeModel(const CarShape& shape, WheelShape wheel) {
   Model model;
   model.category = "vehicle.car";
-  model.size = Eigen::Vector3d(static_cast<double>(shape.length), static_cast<double>(shape.width),
-                               static_cast<double>(shape.height));
+  model.size = Eigen::Vector3f(shape.length, shape.width, shape.height).cast<double>();
   model.rear_axle_x = static_cast<double>(shape.rear_axle_x);
-  Part body;
-  body.mesh = std::make_shared<const Mesh>(buildCarBody(shape));
-  model.parts.push_back(std::move(body));
+  model.parts.push_back(fixedPart(std::make_shared<const Mesh>(buildCarBody(shape))));
   wheel.radius = shape.wheel_radius;
   wheel.rim_radius = 0.68F * shape.wheel_radius;
   const double track = 0.5 * static_cast<double>(shape.width - wheel.width) - 0.02;

@@ -36,12 +36,12 @@ std::shared_ptr<const Mesh> wheelMesh() {
   builder.torus(Vector3f::Zero(), Vector3f::UnitY(), kWheel - 0.019F, 0.019F, 28, 6);
   builder.use(plain(Material::kRim, 0.5F));
   builder.torus(Vector3f::Zero(), Vector3f::UnitY(), kWheel - 0.045F, 0.011F, 28, 5);
-  builder.cone(Vector3f(0, -0.045F, 0), Vector3f(0, 0.045F, 0), 0.022F, 0.022F, 8);
+  builder.cone({0, -0.045F, 0}, {0, 0.045F, 0}, 0.022F, 0.022F, 8);
   constexpr int kSpokes = 16;
   for (int spoke = 0; spoke < kSpokes; ++spoke) {
     const float turn = static_cast<float>(kTwoPi) * static_cast<float>(spoke) / kSpokes;
     const float hub = spoke % 2 == 0 ? 0.035F : -0.035F;
-    builder.cone(Vector3f(0, hub, 0), (kWheel - 0.05F) * Vector3f(std::cos(turn), 0, std::sin(turn)), 0.0025F,
+    builder.cone({0, hub, 0}, (kWheel - 0.05F) * Vector3f(std::cos(turn), 0, std::sin(turn)), 0.0025F,
                  0.0025F, 4, false);
   }
   return share(std::move(builder));
@@ -75,8 +75,8 @@ void addFrame(MeshBuilder& builder, const Surface& paint, const Vector3f& saddle
     tube(kBars - Vector3f(0.06F, 0, 0.02F), kBars + Vector3f(-0.02F, side * 0.2F, 0), 0.012F);
     tube(kBars + Vector3f(-0.02F, side * 0.2F, 0), kBars + Vector3f(-0.12F, side * 0.29F, 0), 0.014F);
   }
-  builder.ellipsoid(saddle + Vector3f(-0.05F, 0, 0), Vector3f(0.11F, 0.075F, 0.03F), 12, 6);
-  builder.ellipsoid(saddle + Vector3f(0.07F, 0, 0), Vector3f(0.1F, 0.03F, 0.022F), 10, 6);
+  builder.ellipsoid(saddle + Vector3f(-0.05F, 0, 0), {0.11F, 0.075F, 0.03F}, 12, 6);
+  builder.ellipsoid(saddle + Vector3f(0.07F, 0, 0), {0.1F, 0.03F, 0.022F}, 10, 6);
 }
 
 void addMudguardsAndLamps(MeshBuilder& builder) {
@@ -93,40 +93,33 @@ void addMudguardsAndLamps(MeshBuilder& builder) {
                             kWheel + radius * std::sin(turn));
       }
     }
-    const auto surface = static_cast<std::uint32_t>(builder.mesh().surfaces.size() - 1);
-    builder.grid(points, kPieces + 1, 3, [&](int, int) { return surface; });
+    builder.sheet(points, 3, false);
   };
   guard(kRearAxle, 0.08F, 0.5F);
   guard(kFrontAxle, 0.1F, 0.47F);
   builder.use(plain(Material::kHeadLamp, 0.7F));
-  builder.ellipsoid(Vector3f(0.44F, 0, 0.84F), Vector3f(0.04F, 0.03F, 0.03F), 10, 6);
+  builder.ellipsoid({0.44F, 0, 0.84F}, {0.04F, 0.03F, 0.03F}, 10, 6);
   builder.use(plain(Material::kTailLamp, 0.4F, 0.01F, 0.01F));
-  builder.ellipsoid(Vector3f(-0.875F, 0, 0.725F), Vector3f(0.02F, 0.04F, 0.025F), 10, 6);
+  builder.ellipsoid({-0.875F, 0, 0.725F}, {0.02F, 0.04F, 0.025F}, 10, 6);
   builder.use(plain(Material::kPaintedMetal, 0.03F));  // carrier
   for (const float y : {-0.06F, 0.0F, 0.06F})
-    builder.cone(Vector3f(-0.3F, y, 0.74F), Vector3f(-0.87F, y, 0.74F), 0.007F, 0.007F, 5);
+    builder.cone({-0.3F, y, 0.74F}, {-0.87F, y, 0.74F}, 0.007F, 0.007F, 5);
   for (const float y : {-0.06F, 0.06F})
-    builder.cone(Vector3f(kRearAxle - 0.1F, y, 0.74F), Vector3f(kRearAxle, y, kWheel), 0.007F, 0.007F, 5);
+    builder.cone({kRearAxle - 0.1F, y, 0.74F}, {kRearAxle, y, kWheel}, 0.007F, 0.007F, 5);
 }
 
 std::shared_ptr<const Mesh> crankMesh() {
   MeshBuilder builder;
   const auto length = static_cast<float>(kCrankLength);
   builder.use(plain(Material::kChrome, 0.4F));
-  builder.torus(Vector3f(0, -0.045F, 0), Vector3f::UnitY(), 0.085F, 0.008F, 16, 4);
-  builder.cone(Vector3f(0, -0.07F, 0), Vector3f(0, 0.07F, 0), 0.018F, 0.018F, 8);
-  bar(builder, Vector3f(0, 0.075F, 0), Vector3f(0, 0.085F, -length), Vector3f::UnitY(), 0.025F, 0.015F);
-  bar(builder, Vector3f(0, -0.075F, 0), Vector3f(0, -0.085F, length), Vector3f::UnitY(), 0.025F, 0.015F);
+  builder.torus({0, -0.045F, 0}, Vector3f::UnitY(), 0.085F, 0.008F, 16, 4);
+  builder.cone({0, -0.07F, 0}, {0, 0.07F, 0}, 0.018F, 0.018F, 8);
+  bar(builder, {0, 0.075F, 0}, {0, 0.085F, -length}, Vector3f::UnitY(), 0.025F, 0.015F);
+  bar(builder, {0, -0.075F, 0}, {0, -0.085F, length}, Vector3f::UnitY(), 0.025F, 0.015F);
   builder.use(plain(Material::kPlastic, 0.02F));
-  builder.box(Vector3f(-0.045F, 0.09F, -length - 0.012F), Vector3f(0.045F, 0.18F, -length + 0.012F));
-  builder.box(Vector3f(-0.045F, -0.18F, length - 0.012F), Vector3f(0.045F, -0.09F, length + 0.012F));
+  builder.box({-0.045F, 0.09F, -length - 0.012F}, {0.045F, 0.18F, -length + 0.012F});
+  builder.box({-0.045F, -0.18F, length - 0.012F}, {0.045F, -0.09F, length + 0.012F});
   return share(std::move(builder));
-}
-
-Part fixed(std::shared_ptr<const Mesh> mesh) {
-  Part part;
-  part.mesh = std::move(mesh);
-  return part;
 }
 
 /// Frames are not of the palette, whose slots the rider needs.
@@ -145,16 +138,16 @@ Model bicycle(RandomStream& random, const Vector3f& saddle) {
   MeshBuilder frame;
   addFrame(frame, framePaint(random), saddle);
   addMudguardsAndLamps(frame);
-  model.parts.push_back(fixed(share(std::move(frame))));
+  model.parts.push_back(fixedPart(share(std::move(frame))));
   const auto wheel = wheelMesh();
   for (const float axle : {kFrontAxle, kRearAxle}) {
-    Part part = fixed(wheel);
+    Part part = fixedPart(wheel);
     part.T_parent_from_joint = translation(static_cast<double>(axle), 0.0, static_cast<double>(kWheel));
     part.joint = JointKind::kWheel;
     part.radius = static_cast<double>(kWheel);
     model.parts.push_back(std::move(part));
   }
-  Part crank = fixed(crankMesh());
+  Part crank = fixedPart(crankMesh());
   crank.T_parent_from_joint.translation() = kBottomBracket.cast<double>();
   crank.joint = JointKind::kCrank;
   crank.stride = kCrankStride;
@@ -192,13 +185,6 @@ void fitSwing(Part& part, const std::array<double, 32>& samples) {
   part.phase = std::atan2(cosine, sine);
 }
 
-template <typename Add>
-std::shared_ptr<const Mesh> meshOf(const Add& add) {
-  MeshBuilder builder;
-  add(builder);
-  return share(std::move(builder));
-}
-
 void addLegs(Model& model, const Physique& body, const Eigen::Vector3d& hips) {
   const auto thigh = meshOf([&](MeshBuilder& builder) { addThigh(builder, body, false); });
   const auto shank = meshOf([&](MeshBuilder& builder) { addShank(builder, body, false); });
@@ -221,16 +207,16 @@ void addLegs(Model& model, const Physique& body, const Eigen::Vector3d& hips) {
       knee[i] = angles.knee;
       sole[i] = kToesDown - angles.hip - angles.knee;
     }
-    Part upper = fixed(thigh);
+    Part upper = fixedPart(thigh);
     upper.T_parent_from_joint = translation(hips.x(), side * static_cast<double>(body.hip_half), hips.z());
     fitSwing(upper, hip);
     model.parts.push_back(std::move(upper));
-    Part lower = fixed(shank);
+    Part lower = fixedPart(shank);
     lower.parent = static_cast<int>(model.parts.size()) - 1;
     lower.T_parent_from_joint = translation(0, 0.02 * side, -thigh_length);
     fitSwing(lower, knee);
     model.parts.push_back(std::move(lower));
-    Part shoe = fixed(foot);
+    Part shoe = fixedPart(foot);
     shoe.parent = static_cast<int>(model.parts.size()) - 1;
     shoe.T_parent_from_joint = translation(0, 0, -shank_length);
     fitSwing(shoe, sole);
@@ -293,10 +279,10 @@ std::shared_ptr<const Model> makeCyclist(RandomStream& random) {
   const Vector3f hips = hipsAbovePedals(body);
   Model model = bicycle(random, hips - kSitting);
   const double wear = random.uniform();
-  model.parts.push_back(fixed(upperBody(body, hips, uniform(random, 0.35F, 0.55F),
-                                        wear < 0.5   ? HeadWear::kHelmet
-                                        : wear < 0.8 ? HeadWear::kShortHair
-                                                     : HeadWear::kLongHair)));
+  model.parts.push_back(fixedPart(upperBody(body, hips, uniform(random, 0.35F, 0.55F),
+                                            wear < 0.5   ? HeadWear::kHelmet
+                                            : wear < 0.8 ? HeadWear::kShortHair
+                                                         : HeadWear::kLongHair)));
   addLegs(model, body, hips.cast<double>());
   return finish(std::move(model));
 }

@@ -69,30 +69,30 @@ void addHead(MeshBuilder& builder, const Physique& body, HeadWear wear) {
   const float chin = top - 0.225F;                        // small and tall people have heads of one size
   const Vector3f middle(0.02F, 0, chin + 0.11F);
   builder.use(skin());
-  builder.cone(Vector3f(-0.005F, 0, 0.0F), Vector3f(0.012F, 0, chin + 0.05F), 0.056F, 0.05F, 10, false);
+  builder.cone({-0.005F, 0, 0.0F}, {0.012F, 0, chin + 0.05F}, 0.056F, 0.05F, 10, false);
   tube(builder,
        {ring(0.055F, chin, 0.03F, 0.03F), ring(0.04F, chin + 0.025F, 0.062F, 0.05F),
         ring(0.025F, chin + 0.07F, 0.084F, 0.066F), ring(0.018F, chin + 0.12F, 0.093F, 0.074F),
         ring(0.015F, chin + 0.165F, 0.092F, 0.073F), ring(0.012F, chin + 0.2F, 0.07F, 0.056F),
         ring(0.012F, chin + 0.22F, 0.03F, 0.025F)},
        12);
-  builder.ellipsoid(Vector3f(0.112F, 0, chin + 0.09F), Vector3f(0.018F, 0.013F, 0.022F), 8, 4);
+  builder.ellipsoid({0.112F, 0, chin + 0.09F}, {0.018F, 0.013F, 0.022F}, 8, 4);
   for (const float side : {1.0F, -1.0F})
-    builder.ellipsoid(Vector3f(0.01F, side * 0.074F, chin + 0.1F), Vector3f(0.016F, 0.01F, 0.028F), 6, 4);
+    builder.ellipsoid({0.01F, side * 0.074F, chin + 0.1F}, {0.016F, 0.01F, 0.028F}, 6, 4);
   builder.use(plain(Material::kHair, 0.03F, 0.02F, 0.015F));
   for (const float side : {1.0F, -1.0F})
-    builder.ellipsoid(Vector3f(0.098F, side * 0.031F, chin + 0.118F), Vector3f(0.008F, 0.015F, 0.007F), 6, 4);
+    builder.ellipsoid({0.098F, side * 0.031F, chin + 0.118F}, {0.008F, 0.015F, 0.007F}, 6, 4);
   const Vector3f crown = middle + Vector3f(-0.018F, 0, 0.03F);
   if (wear == HeadWear::kHelmet) {
     builder.use(plain(Material::kPlastic, 0.6F, 0.6F, 0.6F));
-    builder.ellipsoid(crown + Vector3f(0.012F, 0, 0.03F), Vector3f(0.135F, 0.105F, 0.085F), 14, 8);
+    builder.ellipsoid(crown + Vector3f(0.012F, 0, 0.03F), {0.135F, 0.105F, 0.085F}, 14, 8);
     return;
   }
   builder.use(wear == HeadWear::kCap ? fromPalette(Material::kCloth, 3) : fromPalette(Material::kHair, 3));
-  builder.ellipsoid(crown, Vector3f(0.105F, 0.088F, 0.092F), 14, 8);
-  builder.ellipsoid(middle + Vector3f(-0.05F, 0, -0.015F), Vector3f(0.062F, 0.077F, 0.085F), 12, 6);
+  builder.ellipsoid(crown, {0.105F, 0.088F, 0.092F}, 14, 8);
+  builder.ellipsoid(middle + Vector3f(-0.05F, 0, -0.015F), {0.062F, 0.077F, 0.085F}, 12, 6);
   if (wear == HeadWear::kCap)
-    builder.ellipsoid(crown + Vector3f(0.11F, 0, 0.0F), Vector3f(0.06F, 0.07F, 0.012F), 10, 4);
+    builder.ellipsoid(crown + Vector3f(0.11F, 0, 0.0F), {0.06F, 0.07F, 0.012F}, 10, 4);
   if (wear == HeadWear::kLongHair)
     tube(builder,
          {ring(-0.055F, chin - 0.09F, 0.04F, 0.085F), ring(-0.05F, chin, 0.055F, 0.095F),
@@ -102,8 +102,7 @@ void addHead(MeshBuilder& builder, const Physique& body, HeadWear wear) {
 
 void addThigh(MeshBuilder& builder, const Physique& body, bool bare) {
   builder.use(bare ? skin() : cloth(1));
-  builder.capsule(Vector3f(0, 0, -0.02F), Vector3f(0, 0, -body.thigh), 0.084F * body.girth,
-                  0.058F * body.girth, kLimbSides);
+  builder.capsule({0, 0, -0.02F}, {0, 0, -body.thigh}, 0.084F * body.girth, 0.058F * body.girth, kLimbSides);
 }
 
 void addShank(MeshBuilder& builder, const Physique& body, bool bare) {
@@ -130,16 +129,16 @@ void addFoot(MeshBuilder& builder, const Physique& body) {
 
 void addUpperArm(MeshBuilder& builder, const Physique& body) {
   builder.use(cloth(0));
-  builder.capsule(Vector3f(0, 0, -0.01F), Vector3f(0, 0, -body.upper_arm), 0.055F * body.girth,
-                  0.046F * body.girth, kLimbSides);
+  builder.capsule({0, 0, -0.01F}, {0, 0, -body.upper_arm}, 0.055F * body.girth, 0.046F * body.girth,
+                  kLimbSides);
 }
 
 void addForearm(MeshBuilder& builder, const Physique& body) {
   builder.use(cloth(0));
-  builder.capsule(Vector3f(0, 0, 0), Vector3f(0, 0, -body.forearm + 0.02F), 0.045F * body.girth,
-                  0.035F * body.girth, kLimbSides);
+  builder.capsule({0, 0, 0}, {0, 0, -body.forearm + 0.02F}, 0.045F * body.girth, 0.035F * body.girth,
+                  kLimbSides);
   builder.use(skin());
-  builder.ellipsoid(Vector3f(0.01F, 0, -body.forearm - 0.07F), Vector3f(0.036F, 0.02F, 0.085F), 8, 6);
+  builder.ellipsoid({0.01F, 0, -body.forearm - 0.07F}, {0.036F, 0.02F, 0.085F}, 8, 6);
 }
 
 }  // namespace radar_dot::simulation

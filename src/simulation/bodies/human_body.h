@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
-
-#include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/mesh.h"
 
 namespace radar_dot::simulation {

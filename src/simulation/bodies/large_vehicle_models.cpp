@@ -156,14 +156,14 @@ Mesh busBody() {
   shell.build(builder, [&](int row, const Column& column) { return busSurface(plan, paints, row, column); });
   builder.use(plain(Material::kPlastic, 0.01F));
   for (const float axle : {kBusFrontAxle, kBusRearAxle})
-    builder.box(Vector3f(axle - 0.52F, -0.85F, 0.34F), Vector3f(axle + 0.52F, 0.85F, 1.0F));
+    builder.box({axle - 0.52F, -0.85F, 0.34F}, {axle + 0.52F, 0.85F, 1.0F});
   builder.use(plain(Material::kHeadLamp, 0.28F, 0.3F, 0.31F));
-  addLamp(builder, Vector3f(5.86F, 0.85F, 0.72F), Vector3f(0.08F, 0.16F, 0.09F));
+  addLamp(builder, {5.86F, 0.85F, 0.72F}, {0.08F, 0.16F, 0.09F});
   builder.use(plain(Material::kTailLamp, 0.35F, 0.01F, 0.01F));
-  addLamp(builder, Vector3f(-5.95F, 1.02F, 0.95F), Vector3f(0.035F, 0.08F, 0.25F));
-  addNumberPlate(builder, Vector3f(0.5F * kBusLength + 0.012F, 0, 0.48F), true);
-  addNumberPlate(builder, Vector3f(-0.5F * kBusLength - 0.012F, 0, 0.75F), false);
-  addMirrors(builder, Vector3f(5.62F, 1.15F, 2.0F), Vector3f(0.14F, 0.2F, 0.42F));
+  addLamp(builder, {-5.95F, 1.02F, 0.95F}, {0.035F, 0.08F, 0.25F});
+  addNumberPlate(builder, {0.5F * kBusLength + 0.012F, 0, 0.48F}, true);
+  addNumberPlate(builder, {-0.5F * kBusLength - 0.012F, 0, 0.75F}, false);
+  addMirrors(builder, {5.62F, 1.15F, 2.0F}, {0.14F, 0.2F, 0.42F});
   return std::move(builder).build();
 }
 
@@ -217,43 +217,41 @@ void addCab(MeshBuilder& builder, float front_x, float axle_x) {
   };
   shell.build(cab, surface);
   builder.add(std::move(cab).build(), translation(Vector3f(middle, 0, 0)));
-  addMirrors(builder, Vector3f(front_x - 0.45F, 0.5F * kTruckWidth - 0.12F, 1.75F),
-             Vector3f(0.12F, 0.2F, 0.5F));
-  addNumberPlate(builder, Vector3f(front_x, 0, 0.6F), true);
+  addMirrors(builder, {front_x - 0.45F, 0.5F * kTruckWidth - 0.12F, 1.75F}, {0.12F, 0.2F, 0.5F});
+  addNumberPlate(builder, {front_x, 0, 0.6F}, true);
 }
 
 /// Box, chassis, guards and lamps behind the cab.
 void addLoad(MeshBuilder& builder, float front_x, float rear_x, float height, float axle_x) {
   const float half = 0.5F * kTruckWidth;
   builder.use(fromPalette(Material::kCarPaint, 3));
-  builder.box(Vector3f(rear_x + 0.04F, -half, 1.05F), Vector3f(front_x, half, height));
+  builder.box({rear_x + 0.04F, -half, 1.05F}, {front_x, half, height});
   builder.use(plain(Material::kChrome, 0.45F));
   for (const float y : {-half, half})
     for (const float z : {1.08F, height - 0.02F}) {
-      builder.box(Vector3f(rear_x + 0.03F, y - 0.015F, z - 0.05F),
-                  Vector3f(front_x + 0.01F, y + 0.015F, z + 0.02F));
+      builder.box({rear_x + 0.03F, y - 0.015F, z - 0.05F}, {front_x + 0.01F, y + 0.015F, z + 0.02F});
     }
   for (const float y : {-half + 0.06F, -0.02F, half - 0.1F})
-    builder.box(Vector3f(rear_x + 0.015F, y, 1.1F), Vector3f(rear_x + 0.045F, y + 0.04F, height - 0.06F));
+    builder.box({rear_x + 0.015F, y, 1.1F}, {rear_x + 0.045F, y + 0.04F, height - 0.06F});
   builder.use(plain(Material::kPlastic, 0.02F));
-  builder.box(Vector3f(rear_x + 0.2F, -0.45F, 0.62F), Vector3f(front_x + 0.6F, 0.45F, 0.95F));
-  builder.box(Vector3f(rear_x + 0.05F, -half + 0.1F, 0.95F), Vector3f(front_x, half - 0.1F, 1.06F));
-  builder.box(Vector3f(axle_x - 0.06F, -half + 0.2F, kTruckWheel - 0.06F),
-              Vector3f(axle_x + 0.06F, half - 0.2F, kTruckWheel + 0.06F));
-  builder.box(Vector3f(rear_x + 0.06F, -half + 0.08F, 0.48F), Vector3f(rear_x + 0.16F, half - 0.08F, 0.6F));
-  builder.box(Vector3f(rear_x + 0.1F, -0.5F, 0.55F), Vector3f(rear_x + 0.2F, -0.42F, 0.95F));
-  builder.box(Vector3f(rear_x + 0.1F, 0.42F, 0.55F), Vector3f(rear_x + 0.2F, 0.5F, 0.95F));
+  builder.box({rear_x + 0.2F, -0.45F, 0.62F}, {front_x + 0.6F, 0.45F, 0.95F});
+  builder.box({rear_x + 0.05F, -half + 0.1F, 0.95F}, {front_x, half - 0.1F, 1.06F});
+  builder.box({axle_x - 0.06F, -half + 0.2F, kTruckWheel - 0.06F},
+              {axle_x + 0.06F, half - 0.2F, kTruckWheel + 0.06F});
+  builder.box({rear_x + 0.06F, -half + 0.08F, 0.48F}, {rear_x + 0.16F, half - 0.08F, 0.6F});
+  builder.box({rear_x + 0.1F, -0.5F, 0.55F}, {rear_x + 0.2F, -0.42F, 0.95F});
+  builder.box({rear_x + 0.1F, 0.42F, 0.55F}, {rear_x + 0.2F, 0.5F, 0.95F});
   for (const float y : {-half + 0.06F, half - 0.1F}) {  // side guards, tank
-    builder.box(Vector3f(axle_x + 0.7F, y, 0.45F), Vector3f(front_x - 0.35F, y + 0.04F, 0.57F));
-    builder.box(Vector3f(axle_x + 0.7F, y, 0.7F), Vector3f(front_x - 0.35F, y + 0.04F, 0.82F));
+    builder.box({axle_x + 0.7F, y, 0.45F}, {front_x - 0.35F, y + 0.04F, 0.57F});
+    builder.box({axle_x + 0.7F, y, 0.7F}, {front_x - 0.35F, y + 0.04F, 0.82F});
     for (const float x : {axle_x + 0.75F, front_x - 0.45F})
-      builder.box(Vector3f(x, y, 0.45F), Vector3f(x + 0.06F, y + 0.04F, 1.0F));
-    builder.box(Vector3f(axle_x - 0.62F, std::min(y, 0.75F), 0.98F),
-                Vector3f(axle_x + 0.62F, std::min(y, 0.75F) + 0.3F, 1.01F));
+      builder.box({x, y, 0.45F}, {x + 0.06F, y + 0.04F, 1.0F});
+    builder.box({axle_x - 0.62F, std::min(y, 0.75F), 0.98F},
+                {axle_x + 0.62F, std::min(y, 0.75F) + 0.3F, 1.01F});
   }
   builder.use(plain(Material::kTailLamp, 0.4F, 0.01F, 0.01F));
-  addLamp(builder, Vector3f(rear_x + 0.05F, half - 0.3F, 0.7F), Vector3f(0.03F, 0.2F, 0.06F));
-  addNumberPlate(builder, Vector3f(rear_x + 0.05F, 0, 0.72F), false);
+  addLamp(builder, {rear_x + 0.05F, half - 0.3F, 0.7F}, {0.03F, 0.2F, 0.06F});
+  addNumberPlate(builder, {rear_x + 0.05F, 0, 0.72F}, false);
 }
 
 }  // namespace
@@ -263,9 +261,7 @@ std::shared_ptr<const Model> makeBus(RandomStream&) {
   model.category = "vehicle.bus.rigid";
   model.size = Eigen::Vector3d(12.0, 2.55, 3.1);
   model.rear_axle_x = static_cast<double>(kBusRearAxle);
-  Part body;
-  body.mesh = std::make_shared<const Mesh>(busBody());
-  model.parts.push_back(std::move(body));
+  model.parts.push_back(fixedPart(std::make_shared<const Mesh>(busBody())));
   const WheelShape wheel{kBusWheel, 0.28F, 0.29F, 8, 0.35F};
   for (const double side : {1.0, -1.0}) {
     addWheel(model, wheel, static_cast<double>(kBusFrontAxle), side * 1.1, true);
@@ -282,15 +278,12 @@ std::shared_ptr<const Model> makeTruck(RandomStream& random) {
   const float rear_axle = -0.5F * length + uniform(random, 1.75F, 2.0F);
   Model model;
   model.category = "vehicle.truck";
-  model.size = Eigen::Vector3d(static_cast<double>(length), static_cast<double>(kTruckWidth),
-                               static_cast<double>(height));
+  model.size = Eigen::Vector3f(length, kTruckWidth, height).cast<double>();
   model.rear_axle_x = static_cast<double>(rear_axle);
   MeshBuilder builder;
   addLoad(builder, front_x - kCabLength - 0.12F, -0.5F * length, height, rear_axle);
   addCab(builder, front_x, front_axle);
-  Part body;
-  body.mesh = share(std::move(builder));
-  model.parts.push_back(std::move(body));
+  model.parts.push_back(fixedPart(share(std::move(builder))));
   const WheelShape front{kTruckWheel, 0.26F, 0.28F, 8, 0.4F};
   const WheelShape rear{kTruckWheel, 0.5F, 0.27F, 8, 0.4F};
   for (const double side : {1.0, -1.0}) {

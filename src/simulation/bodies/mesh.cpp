@@ -86,7 +86,7 @@ void MeshBuilder::cone(const Vector3f& from, const Vector3f& to, float from_radi
   std::vector<Vector3f> points;
   for (int side = 0; side < sides; ++side) points.push_back(from + from_radius * rim(side));
   for (int side = 0; side < sides; ++side) points.push_back(to + to_radius * rim(side));
-  addGrid(points, 2, sides, std::vector<std::uint32_t>(static_cast<std::size_t>(sides), surface_), true);
+  sheet(points, sides);
   if (!caps) return;
   for (int side = 0; side < sides; ++side) {
     if (from_radius > 0.0F)
@@ -112,8 +112,7 @@ void MeshBuilder::capsule(const Vector3f& from, const Vector3f& to, float from_r
     ring(from, from_radius, 0.25F * kTwoPi * (static_cast<float>(i) / (kRings - 1) - 0.999F));
   for (int i = 0; i < kRings; ++i)
     ring(to, to_radius, 0.25F * kTwoPi * 0.999F * static_cast<float>(i) / (kRings - 1));
-  addGrid(points, 2 * kRings, sides,
-          std::vector<std::uint32_t>(static_cast<std::size_t>((2 * kRings - 1) * sides), surface_), true);
+  sheet(points, sides);
 }
 
 void MeshBuilder::ellipsoid(const Vector3f& centre, const Vector3f& radii, int sides, int rings) {
@@ -127,8 +126,7 @@ void MeshBuilder::ellipsoid(const Vector3f& centre, const Vector3f& radii, int s
                                                std::cos(latitude) * std::sin(angle), std::sin(latitude))));
     }
   }
-  addGrid(points, rings + 1, sides,
-          std::vector<std::uint32_t>(static_cast<std::size_t>(rings * sides), surface_), true);
+  sheet(points, sides);
 }
 
 void MeshBuilder::torus(const Vector3f& centre, const Vector3f& axis, float radius, float tube_radius,
@@ -145,8 +143,7 @@ void MeshBuilder::torus(const Vector3f& centre, const Vector3f& axis, float radi
                        tube_radius * (std::cos(turn) * outward + std::sin(turn) * unit));
     }
   }
-  addGrid(points, sides + 1, tube_sides,
-          std::vector<std::uint32_t>(static_cast<std::size_t>(sides * tube_sides), surface_), true);
+  sheet(points, tube_sides);
 }
 
 void MeshBuilder::add(const Mesh& mesh, const Eigen::Isometry3f& T_this_from_mesh) {
@@ -160,6 +157,12 @@ void MeshBuilder::add(const Mesh& mesh, const Eigen::Isometry3f& T_this_from_mes
     mesh_.triangles.push_back(triangle);
   }
   mesh_.surfaces.insert(mesh_.surfaces.end(), mesh.surfaces.begin(), mesh.surfaces.end());
+}
+
+void MeshBuilder::sheet(const std::vector<Vector3f>& points, int columns, bool closed_columns) {
+  grid(
+      points, static_cast<int>(points.size()) / columns, columns, [&](int, int) { return surface_; },
+      closed_columns);
 }
 
 Mesh MeshBuilder::build() && { return std::move(mesh_); }

@@ -32,8 +32,7 @@ Part bobJoint(double stride) {
 
 Part swinging(std::shared_ptr<const Mesh> mesh, int parent, const Eigen::Isometry3d& place, double stride,
               double amplitude, double phase) {
-  Part part;
-  part.mesh = std::move(mesh);
+  Part part = fixedPart(std::move(mesh));
   part.parent = parent;
   part.T_parent_from_joint = place;
   part.joint = JointKind::kSwing;
@@ -43,29 +42,19 @@ Part swinging(std::shared_ptr<const Mesh> mesh, int parent, const Eigen::Isometr
   return part;
 }
 
-template <typename Add>
-std::shared_ptr<const Mesh> meshOf(const Add& add) {
-  MeshBuilder builder;
-  add(builder);
-  return share(std::move(builder));
-}
-
 void addBag(MeshBuilder& builder, const Physique& body) {
   builder.use(plain(Material::kLeather, 0.06F, 0.045F, 0.04F));
   const float z = body.hipHeight() + 0.02F;
   const auto arm = static_cast<float>(kBobArm);
-  builder.box(Vector3f(arm - 0.15F, body.hip_half + 0.1F, z - 0.16F),
-              Vector3f(arm + 0.15F, body.hip_half + 0.18F, z + 0.1F));
-  bar(builder, Vector3f(arm + 0.1F, body.hip_half + 0.13F, z + 0.09F),
-      Vector3f(arm, 0.55F * body.shoulder_half, body.shoulderHeight() + 0.045F), Vector3f::UnitX(), 0.03F,
-      0.02F);
+  builder.box({arm - 0.15F, body.hip_half + 0.1F, z - 0.16F}, {arm + 0.15F, body.hip_half + 0.18F, z + 0.1F});
+  bar(builder, {arm + 0.1F, body.hip_half + 0.13F, z + 0.09F},
+      {arm, 0.55F * body.shoulder_half, body.shoulderHeight() + 0.045F}, Vector3f::UnitX(), 0.03F, 0.02F);
 }
 
 void addBackpack(MeshBuilder& builder, const Physique& body) {
   builder.use(plain(Material::kCloth, 0.05F, 0.06F, 0.08F));
   const float z = body.shoulderHeight() - 0.24F;
-  builder.ellipsoid(Vector3f(static_cast<float>(kBobArm) - 0.17F, 0, z), Vector3f(0.11F, 0.16F, 0.24F), 12,
-                    8);
+  builder.ellipsoid({static_cast<float>(kBobArm) - 0.17F, 0, z}, {0.11F, 0.16F, 0.24F}, 12, 8);
 }
 
 /// A swing of limbs: left and right, arms and legs in antiphase.

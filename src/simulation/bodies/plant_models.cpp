@@ -89,9 +89,7 @@ Vector3f addBranch(MeshBuilder& builder, RandomStream& random, const Vector3f& f
       points.push_back(centre + radius * (across * Vector3f(std::cos(turn), std::sin(turn), 0.0F)));
     }
   }
-  const auto surface = static_cast<std::uint32_t>(builder.mesh().surfaces.size() - 1);
-  builder.grid(
-      points, pieces + 1, sides, [&](int, int) { return surface; }, true);
+  builder.sheet(points, sides);
   return to;
 }
 
@@ -107,7 +105,7 @@ std::shared_ptr<const Mesh> makeTree(RandomStream& random) {
   const float bark = uniform(random, 0.8F, 1.2F);
   builder.use(plain(Material::kBark, 0.11F * bark, 0.085F * bark, 0.065F * bark));
   const float girth = 0.016F * height + 0.03F;
-  builder.cone(Vector3f::Zero(), Vector3f(0, 0, 0.3F), 1.45F * girth, girth, 10, false);
+  builder.cone(Vector3f::Zero(), {0, 0, 0.3F}, 1.45F * girth, girth, 10, false);
   const Vector3f fork =
       addBranch(builder, random, Vector3f(0, 0, 0.3F),
                 Vector3f(uniform(random, -0.2F, 0.2F), uniform(random, -0.2F, 0.2F), crown_low), girth,
@@ -141,7 +139,7 @@ std::shared_ptr<const Mesh> makeBush(RandomStream& random) {
     const float turn = kTwoPi * static_cast<float>(clump) / 5.0F + uniform(random, -0.3F, 0.3F);
     const float up = uniform(random, 0.65F, 1.1F) * size;
     const Vector3f centre(0.5F * size * std::cos(turn), 0.5F * size * std::sin(turn), up);
-    builder.cone(Vector3f(0.05F * std::cos(turn), 0.05F * std::sin(turn), 0), centre, 0.02F, 0.01F, 5);
+    builder.cone({0.05F * std::cos(turn), 0.05F * std::sin(turn), 0}, centre, 0.02F, 0.01F, 5);
     foliage.clump(centre, Vector3f(0.6F, 0.6F, 0.55F) * size, middle, 260, 0.06F);
   }
   builder.add(foliage.mesh());

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/bodies/shapes.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "simulation/frames.h"
@@ -39,9 +38,7 @@ void lathe(MeshBuilder& builder, const std::vector<LathePoint>& outline,
       points.push_back(T_mesh_from_lathe * Vector3f(point.radius * std::cos(turnOf(side, sides)),
                                                     point.radius * std::sin(turnOf(side, sides)),
                                                     point.height));
-  const auto surface = static_cast<std::uint32_t>(builder.mesh().surfaces.size() - 1);
-  builder.grid(
-      points, static_cast<int>(outline.size()), sides, [&](int, int) { return surface; }, true);
+  builder.sheet(points, sides);
 }
 
 void tube(MeshBuilder& builder, const std::vector<Ring>& rings, int sides) {
@@ -54,9 +51,7 @@ void tube(MeshBuilder& builder, const std::vector<Ring>& rings, int sides) {
   add(rings.front(), 0.001F);
   for (const Ring& ring : rings) add(ring, 1.0F);
   add(rings.back(), 0.001F);
-  const auto surface = static_cast<std::uint32_t>(builder.mesh().surfaces.size() - 1);
-  builder.grid(
-      points, static_cast<int>(rings.size()) + 2, sides, [&](int, int) { return surface; }, true);
+  builder.sheet(points, sides);
 }
 
 void disc(MeshBuilder& builder, const Vector3f& centre, const Vector3f& normal, float radius, int sides) {
@@ -77,7 +72,7 @@ void bar(MeshBuilder& builder, const Vector3f& from, const Vector3f& to, const V
   pose.linear().col(1) = y;
   pose.linear().col(2) = x.cross(y);
   pose.translation() = 0.5F * (from + to);
-  builder.box(pose, Vector3f((to - from).norm(), width, height));
+  builder.box(pose, {(to - from).norm(), width, height});
 }
 
 Eigen::AlignedBox3d boundsOf(const Model& model, double distance) {

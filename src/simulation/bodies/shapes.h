@@ -22,6 +22,20 @@ inline std::shared_ptr<const Mesh> share(MeshBuilder&& builder) {
   return std::make_shared<const Mesh>(std::move(builder).build());
 }
 
+/// The mesh that `add(builder)` builds.
+template <typename Add>
+std::shared_ptr<const Mesh> meshOf(const Add& add) {
+  MeshBuilder builder;
+  add(builder);
+  return share(std::move(builder));
+}
+/// A part that does not move in the body.
+inline Part fixedPart(std::shared_ptr<const Mesh> mesh) {
+  Part part;
+  part.mesh = std::move(mesh);
+  return part;
+}
+
 inline Surface plain(Material material, float red, float green, float blue) {
   return {material, Color(red, green, blue), -1};
 }

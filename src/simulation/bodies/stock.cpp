@@ -4,16 +4,14 @@
 
 #include <utility>
 
+#include "simulation/bodies/shapes.h"
+
 namespace radar_dot::simulation {
 namespace {
 
 using Eigen::Vector3f;
 
 constexpr float kLength = static_cast<float>(Stock::kBoundaryLength);
-
-std::shared_ptr<const Mesh> share(MeshBuilder builder) {
-  return std::make_shared<Mesh>(std::move(builder).build());
-}
 
 /// A clipped hedge: its skin is uneven, so that it has no straight outline.
 std::shared_ptr<const Mesh> makeHedge(RandomStream& random) {
@@ -33,19 +31,18 @@ std::shared_ptr<const Mesh> makeHedge(RandomStream& random) {
       points.emplace_back(kLength * static_cast<float>(row) / (kRows - 1), y + jitter(), z + jitter());
     }
   }
-  builder.grid(points, kRows, kColumns, [](int, int) { return 0U; });
+  builder.sheet(points, kColumns, false);
   return share(std::move(builder));
 }
 
 std::shared_ptr<const Mesh> makeFence() {
   MeshBuilder builder;
   builder.use({Material::kWood, Color(0.32F, 0.22F, 0.13F)});
-  builder.box(Vector3f(0.0F, -0.05F, 0.0F), Vector3f(0.1F, 0.05F, 1.35F));
-  for (const float z : {0.35F, 1.05F})
-    builder.box(Vector3f(0.0F, -0.06F, z), Vector3f(kLength, -0.02F, z + 0.09F));
+  builder.box({0.0F, -0.05F, 0.0F}, {0.1F, 0.05F, 1.35F});
+  for (const float z : {0.35F, 1.05F}) builder.box({0.0F, -0.06F, z}, {kLength, -0.02F, z + 0.09F});
   for (int plank = 0; plank < 13; ++plank) {
     const float x = 0.04F + 0.154F * static_cast<float>(plank);
-    builder.box(Vector3f(x, -0.02F, 0.08F), Vector3f(x + 0.11F, 0.005F, plank % 2 == 0 ? 1.25F : 1.28F));
+    builder.box({x, -0.02F, 0.08F}, {x + 0.11F, 0.005F, plank % 2 == 0 ? 1.25F : 1.28F});
   }
   return share(std::move(builder));
 }
@@ -53,9 +50,9 @@ std::shared_ptr<const Mesh> makeFence() {
 std::shared_ptr<const Mesh> makeWall(const Color& color, Material material) {
   MeshBuilder builder;
   builder.use({material, color});
-  builder.box(Vector3f(0.0F, -0.12F, 0.0F), Vector3f(kLength, 0.12F, 0.95F));
+  builder.box({0.0F, -0.12F, 0.0F}, {kLength, 0.12F, 0.95F});
   builder.use({Material::kConcrete, Color::Constant(0.42F)});
-  builder.box(Vector3f(0.0F, -0.16F, 0.95F), Vector3f(kLength, 0.16F, 1.02F));
+  builder.box({0.0F, -0.16F, 0.95F}, {kLength, 0.16F, 1.02F});
   return share(std::move(builder));
 }
 
@@ -67,11 +64,7 @@ auto several(int count, RandomStream& random, const Make& make) {
 }
 
 Stock::House makeHouse(double width, double depth, int storeys, bool shop, RandomStream& random) {
-  Facade facade;
-  facade.width = width;
-  facade.depth = depth;
-  facade.storeys = storeys;
-  facade.shop = shop;
+  const Facade facade{width, depth, storeys, shop};
   return {makeBuilding(facade, random), facade};
 }
 

@@ -51,8 +51,7 @@ std::shared_ptr<const Mesh> wheelMesh(const WheelShape& shape, bool outside_left
 }  // namespace
 
 void addWheel(Model& model, const WheelShape& shape, double x, double y, bool steered) {
-  Part part;
-  part.mesh = wheelMesh(shape, y > 0.0);
+  Part part = fixedPart(wheelMesh(shape, y > 0.0));
   part.T_parent_from_joint = translation(x, y, static_cast<double>(shape.radius));
   part.joint = steered ? JointKind::kSteeredWheel : JointKind::kWheel;
   part.radius = static_cast<double>(shape.radius);

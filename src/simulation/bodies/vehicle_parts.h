@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
-
 #include "radar_dot/simulation/mesh.h"
 #include "radar_dot/simulation/model.h"
 

@@ -95,14 +95,12 @@ void layIsland(ScenarioKit& kit, const Eigen::Isometry3d& T_map_from_park, Groun
 void parkCar(ScenarioKit& kit, Traffic& traffic, const Eigen::Isometry3d& T_map_from_park, double x, double y,
              double yaw) {
   RandomStream& random = kit.random;
-  Actor car;
-  car.model = pick(kit.stock.cars, random);
-  car.palette = randomPalette(*car.model, random);
-  car.parked = true;
-  car.trajectory = std::make_shared<Standing>(
+  const std::shared_ptr<const Model>& model = pick(kit.stock.cars, random);
+  const Palette palette = randomPalette(*model, random);
+  const Eigen::Isometry3d pose =
       T_map_from_park * poseAt(x + random.uniform(-0.1, 0.1), y + random.uniform(-0.1, 0.1), 0.0,
-                               yaw + (random.chance(0.3) ? kPi : 0.0) + random.normal(0.0, 0.02)));
-  traffic.add(car);
+                               yaw + (random.chance(0.3) ? kPi : 0.0) + random.normal(0.0, 0.02));
+  traffic.add({model, std::make_shared<Standing>(pose), palette, true});
 }
 
 void parkInBays(ScenarioKit& kit, Traffic& traffic, const Eigen::Isometry3d& T_map_from_park) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/scenarios/scenario_kit.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace radar_dot::simulation {
@@ -43,13 +42,12 @@ void ScenarioKit::parkBicycles(Traffic& traffic, const Street& street, double lo
       const double y = side * (street.profile.halfRoad() + kPavementWidth - 0.33);
       const Eigen::Vector2d place = street.place(x, y);
       if (plan.groundHeight(place) < kKerbHeight) continue;
-      Actor bicycle;
-      bicycle.model = pick(stock.bicycles, random);
-      bicycle.palette = randomPalette(*bicycle.model, random);
-      bicycle.parked = true;
-      bicycle.trajectory = std::make_shared<Standing>(street.T_map_from_street *
-                                                      poseAt(x, y, kKerbHeight, random.uniform(-0.06, 0.06)));
-      traffic.add(bicycle);
+      const std::shared_ptr<const Model>& model = pick(stock.bicycles, random);
+      const Palette palette = randomPalette(*model, random);
+      const double yaw = random.uniform(-0.06, 0.06);
+      traffic.add({model,
+                   std::make_shared<Standing>(street.T_map_from_street * poseAt(x, y, kKerbHeight, yaw)),
+                   palette, true});
     }
   }
 }

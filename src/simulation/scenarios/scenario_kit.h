@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/scenario.h"

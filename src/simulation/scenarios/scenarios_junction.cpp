@@ -1,6 +1,5 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 
 #include "simulation/scenarios/scenario_kit.h"
 

@@ -8,8 +8,7 @@
 namespace radar_dot::simulation {
 namespace {
 
-constexpr double kView = 160.0;      // m of street ahead of where the drive ends
-constexpr double kEgoMiddle = 1.25;  // m ahead of base_link
+constexpr double kView = 160.0;  // m of street ahead of where the drive ends
 
 }  // namespace
 

@@ -8,8 +8,7 @@
 namespace radar_dot::simulation {
 namespace {
 
-constexpr double kView = 160.0;      // m of street ahead of where the drive ends
-constexpr double kEgoMiddle = 1.25;  // m ahead of base_link
+constexpr double kView = 160.0;  // m of street ahead of where the drive ends
 
 /// Adds a stream against the street's direction on a lane, from its far end to behind the ego.
 void addOncoming(ScenarioKit& kit, Traffic& traffic, int lane, double speed, double headway) {

@@ -20,7 +20,6 @@ constexpr double kBefore = 0.6;        // s, before and after the drive
 constexpr double kGap = 2.2;           // m, between vehicles that stand in a queue
 constexpr double kQueueSpacing = 7.4;  // m, mean, in a queue
 constexpr double kEgoLength = 4.1;     // m
-constexpr double kEgoMiddle = 1.25;    // m ahead of base_link
 
 /// The ego stands in a list of models as a null pointer.
 double lengthOf(const std::shared_ptr<const Model>& model) {
@@ -116,37 +115,28 @@ bool Traffic::add(Actor actor) {
 
 bool Traffic::addVehicle(const std::shared_ptr<const Model>& model, const std::shared_ptr<const Path>& path,
                          const SpeedProfile& profile, double start) {
-  Actor actor;
-  actor.model = model;
-  actor.palette = randomPalette(*model, random_);
-  actor.trajectory = std::make_shared<PathTrajectory>(path, profile,
-                                                      PathTrajectory::Options{start + model->rear_axle_x,
-                                                                              model->rear_axle_x,
-                                                                              wheelbaseOf(*model),
-                                                                              0.0,
-                                                                              {},
-                                                                              random_.uniform(0.0, 5.0)});
-  return add(std::move(actor));
+  const Palette palette = randomPalette(*model, random_);
+  PathTrajectory::Options options;
+  options.start = start + model->rear_axle_x;
+  options.rear_axle_x = model->rear_axle_x;
+  options.wheelbase = wheelbaseOf(*model);
+  options.odometer = random_.uniform(0.0, 5.0);
+  return add({model, std::make_shared<PathTrajectory>(path, profile, options), palette});
 }
 
 bool Traffic::addWalker(const std::shared_ptr<const Path>& path, const SpeedProfile& profile, double start,
                         double odometer) {
-  Actor actor;
-  actor.model = pick(stock_.pedestrians, random_);
-  actor.palette = randomPalette(*actor.model, random_);
-  actor.trajectory = std::make_shared<PathTrajectory>(
-      path, profile,
-      PathTrajectory::Options{start, 0.0, 0.0, plan_.groundHeight(path->at(0.0).position),
-                              heightSteps(plan_, *path), odometer});
-  return add(std::move(actor));
+  const std::shared_ptr<const Model>& model = pick(stock_.pedestrians, random_);
+  const PathTrajectory::Options options{
+      start, 0.0, 0.0, plan_.groundHeight(path->at(0.0).position), heightSteps(plan_, *path), odometer};
+  return add(
+      {model, std::make_shared<PathTrajectory>(path, profile, options), randomPalette(*model, random_)});
 }
 
 bool Traffic::addStandingPerson(const Vector2d& place, double yaw) {
-  Actor actor;
-  actor.model = pick(stock_.pedestrians, random_);
-  actor.palette = randomPalette(*actor.model, random_);
-  actor.trajectory = std::make_shared<Standing>(poseAt(place.x(), place.y(), plan_.groundHeight(place), yaw));
-  return add(std::move(actor));
+  const std::shared_ptr<const Model>& model = pick(stock_.pedestrians, random_);
+  const Eigen::Isometry3d pose = poseAt(place.x(), place.y(), plan_.groundHeight(place), yaw);
+  return add({model, std::make_shared<Standing>(pose), randomPalette(*model, random_)});
 }
 
 void Traffic::addPlatoon(const Stock::Models& models, const std::shared_ptr<const Path>& path,

@@ -13,6 +13,8 @@
 
 namespace radar_dot::simulation {
 
+inline constexpr double kEgoMiddle = 1.25;  ///< m, of the ego ahead of base_link
+
 /// Rectangle of a body on the ground at one time.
 struct Footprint {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();

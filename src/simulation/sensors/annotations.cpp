@@ -3,7 +3,6 @@
 #include "simulation/sensors/annotations.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "radar_dot/common/random_stream.h"
 #include "radar_dot/simulation/camera_sensor.h"

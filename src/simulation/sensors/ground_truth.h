@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
-#include <vector>
 
 #include "radar_dot/simulation/camera_sensor.h"
 

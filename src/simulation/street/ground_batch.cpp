@@ -25,11 +25,7 @@ Eigen::Vector3f lifted(const Eigen::Vector2d& place, double z) {
 }  // namespace
 
 void putStatic(World& world, std::shared_ptr<const Mesh> mesh, const Eigen::Isometry3d& T_map_from_object) {
-  StaticObject object;
-  object.mesh = std::move(mesh);
-  object.T_map_from_object = T_map_from_object;
-  object.palette.fill(Color::Constant(0.5F));
-  world.statics.push_back(std::move(object));
+  world.statics.push_back({std::move(mesh), T_map_from_object, plainPalette()});
 }
 
 MeshBuilder& GroundBatch::builderAt(const Eigen::Vector2d& place, Eigen::Vector2d& origin) {

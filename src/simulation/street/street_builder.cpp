@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/street/street_builder.h"
 
-#include <cmath>
-
 namespace radar_dot::simulation {
 namespace {
 

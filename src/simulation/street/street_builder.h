@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
-
 #include "radar_dot/simulation/world.h"
 #include "simulation/bodies/stock.h"
 #include "simulation/street/ground_batch.h"

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <utility>
 #include <vector>
 
 namespace radar_dot::simulation {

@@ -163,14 +163,11 @@ void parkCars(const Street& street, const Stock& stock, RandomStream random, Wor
       if (random.chance(street.parked_share)) {
         const bool reversed = (side > 0.0) != random.chance(0.08);
         const double yaw = (reversed ? kPi : 0.0) + random.normal(0.0, 0.012);
-        Actor car;
-        car.model = model;
-        car.trajectory = std::make_shared<Standing>(
-            street.T_map_from_street *
-            poseAt(x + 0.5 * length, y + std::clamp(random.normal(0.0, 0.06), -0.12, 0.12), 0.0, yaw));
-        car.palette = randomPalette(*model, random);
-        car.parked = true;
-        world.actors.push_back(car);
+        const double beside = std::clamp(random.normal(0.0, 0.06), -0.12, 0.12);
+        const Eigen::Isometry3d pose =
+            street.T_map_from_street * poseAt(x + 0.5 * length, y + beside, 0.0, yaw);
+        world.actors.push_back(
+            {model, std::make_shared<Standing>(pose), randomPalette(*model, random), true});
       }
       x += length + random.uniform(0.7, 1.6);
     }

@@ -1,7 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 
 #include "simulation/street/street_builder.h"
 
@@ -81,9 +80,8 @@ void line(GroundBatch& ground, const Street::Gap& stretch, double y, double widt
 
 void buildRoad(const Street& street, World& world) {
   GroundBatch ground(street.T_map_from_street);
-  for (const Street::Gap& stretch : Street::free(0.0, street.length, street.junctions)) {
+  for (const Street::Gap& stretch : Street::free(0.0, street.length, street.junctions))
     layCrossSection(ground, street, stretch);
-  }
   layPlots(ground, street);
   if (street.closed_start) closeEnd(ground, street, 0.0, -1.0);
   if (street.closed_end) closeEnd(ground, street, street.length, 1.0);

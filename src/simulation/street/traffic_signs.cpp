@@ -145,7 +145,7 @@ std::shared_ptr<const Mesh> makeTrafficSign(RandomStream& random) {
   builder.use(plain(Material::kPaintedMetal, 0.38F));
   lathe(builder, {{0.0F, 0.032F}, {2.72F, 0.032F}, {2.73F, 0.001F}}, Eigen::Isometry3f::Identity(), 10);
   for (const float z : {2.2F, 2.55F})
-    builder.box(Vector3f(kFaceX + kThickness, -0.05F, z), Vector3f(0.035F, 0.05F, z + 0.03F));
+    builder.box({kFaceX + kThickness, -0.05F, z}, {0.035F, 0.05F, z + 0.03F});
   SignFace face(builder, 2.38F);
   kPainters[random.index(static_cast<int>(std::size(kPainters)))](face);
   return share(std::move(builder));
