@@ -30,7 +30,6 @@ enum class Suite { kNone, kMini };
 
 template <>
 struct radar_dot::EnumNames<Suite> {
-  static constexpr const char* kWhat = "suite";
   static constexpr EnumName<Suite> kValues[] = {{Suite::kNone, "none", "the scenarios of --scenarios"},
                                                 {Suite::kMini, "mini", "all ten"}};
 };

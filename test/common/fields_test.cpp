@@ -15,7 +15,6 @@ namespace radar_dot {
 enum class Colour { kRed, kGreen };
 template <>
 struct EnumNames<Colour> {
-  static constexpr const char* kWhat = "colour";
   static constexpr EnumName<Colour> kValues[] = {{Colour::kRed, "red"},
                                                  {Colour::kGreen, "green", "as grass"}};
 };

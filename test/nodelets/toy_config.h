@@ -16,7 +16,6 @@ namespace radar_dot {
 enum class Mode { kSlow, kFast };
 template <>
 struct EnumNames<Mode> {
-  static constexpr const char* kWhat = "mode";
   static constexpr EnumName<Mode> kValues[] = {{Mode::kSlow, "slow", "it's careful"},
                                                {Mode::kFast, "fast", "a back\\slash"}};
 };

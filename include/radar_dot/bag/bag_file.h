@@ -24,7 +24,6 @@ enum class Compression : std::uint8_t { kNone, kLz4, kBz2 };
 
 template <>
 struct EnumNames<bag::Compression> {
-  static constexpr const char* kWhat = "compression";
   static constexpr EnumName<bag::Compression> kValues[] = {
       {bag::Compression::kNone, "none"}, {bag::Compression::kLz4, "lz4"}, {bag::Compression::kBz2, "bz2"}};
 };

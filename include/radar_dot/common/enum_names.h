@@ -19,7 +19,6 @@ struct EnumName {
 /// The names of an enum, specialised next to it:
 ///     template <>
 ///     struct EnumNames<Solver> {
-///       static constexpr const char* kWhat = "solver";
 ///       static constexpr EnumName<Solver> kValues[] = {{Solver::kRansac, "ransac", "consensus, ..."}, ...};
 ///     };
 template <typename Enum>
@@ -41,8 +40,7 @@ Enum fromString(std::string_view name) {
     if (name == each.name) return each.value;
     known += (known.empty() ? "" : ", ") + std::string(each.name);
   }
-  throw std::invalid_argument(std::string(EnumNames<Enum>::kWhat) + " '" + std::string(name) +
-                              "' is not one of " + known);
+  throw std::invalid_argument("'" + std::string(name) + "' is not one of " + known);
 }
 
 }  // namespace radar_dot

@@ -74,7 +74,6 @@ void validate(const EgoVelocityConfig& config);
 enum class RotationSourceKind { kRadar, kOdometry, kImu, kTf };
 template <>
 struct EnumNames<RotationSourceKind> {
-  static constexpr const char* kWhat = "rotation_source";
   static constexpr EnumName<RotationSourceKind> kValues[] = {
       {RotationSourceKind::kRadar, "radar", "the yaw rate of the twists"},
       {RotationSourceKind::kOdometry, "odometry", "the orientation on rotation/odom"},
@@ -112,7 +111,6 @@ struct OdometryConfig {
 enum class FlowDirection { kForward, kBackward };
 template <>
 struct EnumNames<FlowDirection> {
-  static constexpr const char* kWhat = "direction";
   static constexpr EnumName<FlowDirection> kValues[] = {
       {FlowDirection::kForward, "forward",
        "from the earlier image to the later: masks at t-1, as in the paper"},
@@ -178,7 +176,6 @@ void validate(const DynamicSegmentationConfig& config);
 enum class ObjectFrame { kOdom, kBase };
 template <>
 struct EnumNames<ObjectFrame> {
-  static constexpr const char* kWhat = "frame";
   static constexpr EnumName<ObjectFrame> kValues[] = {
       {ObjectFrame::kOdom, "odom", "the frame of the messages on odom"},
       {ObjectFrame::kBase, "base", "base_frame at the time of the message"}};

@@ -64,7 +64,6 @@ namespace radar_dot {
 
 template <>
 struct EnumNames<evaluation::DepthTruth> {
-  static constexpr const char* kWhat = "truth";
   static constexpr EnumName<evaluation::DepthTruth> kValues[] = {
       {evaluation::DepthTruth::kGroundTruth, "ground_truth", "of a simulated dataroot"},
       {evaluation::DepthTruth::kLidar, "lidar",

@@ -70,7 +70,6 @@ namespace radar_dot {
 
 template <>
 struct EnumNames<evaluation::FileSource> {
-  static constexpr const char* kWhat = "source";
   static constexpr EnumName<evaluation::FileSource> kValues[] = {
       {evaluation::FileSource::kGroundTruth, "ground_truth"},
       {evaluation::FileSource::kNoisy, "noisy"},
@@ -79,7 +78,6 @@ struct EnumNames<evaluation::FileSource> {
 
 template <>
 struct EnumNames<evaluation::ImagePairs> {
-  static constexpr const char* kWhat = "pairs";
   static constexpr EnumName<evaluation::ImagePairs> kValues[] = {
       {evaluation::ImagePairs::kKeyframes, "keyframes", "a keyframe and the next one, as in the paper"},
       {evaluation::ImagePairs::kNext, "next", "a keyframe and the image after it"}};

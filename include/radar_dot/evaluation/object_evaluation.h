@@ -121,7 +121,6 @@ namespace radar_dot {
 
 template <>
 struct EnumNames<evaluation::ObjectReturns> {
-  static constexpr const char* kWhat = "object_returns";
   static constexpr EnumName<evaluation::ObjectReturns> kValues[] = {
       {evaluation::ObjectReturns::kStrict, "strict", "those that the ego velocity is estimated from"},
       {evaluation::ObjectReturns::kReserved, "reserved",

@@ -99,7 +99,6 @@ namespace radar_dot {
 
 template <>
 struct EnumNames<evaluation::VelocitySource> {
-  static constexpr const char* kWhat = "velocity";
   static constexpr EnumName<evaluation::VelocitySource> kValues[] = {
       {evaluation::VelocitySource::kRadar, "radar", "mean of the estimates over the pair"},
       {evaluation::VelocitySource::kRadarStart, "radar_start", "the estimate at its begin, as in the paper"},
@@ -108,7 +107,6 @@ struct EnumNames<evaluation::VelocitySource> {
 
 template <>
 struct EnumNames<evaluation::RotationSource> {
-  static constexpr const char* kWhat = "rotation";
   static constexpr EnumName<evaluation::RotationSource> kValues[] = {
       {evaluation::RotationSource::kGroundTruth, "ground_truth", "of the poses, as in the paper"},
       {evaluation::RotationSource::kRadar, "radar", "yaw rate of the estimates"}};

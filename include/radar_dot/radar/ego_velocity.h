@@ -27,7 +27,6 @@ enum class Solver : std::uint8_t {
 };
 template <>
 struct EnumNames<Solver> {
-  static constexpr const char* kWhat = "solver";
   static constexpr EnumName<Solver> kValues[] = {
       {Solver::kLeastSquares, "least_squares", "every return weighs the same (LSQ of the paper)"},
       {Solver::kRansac, "ransac", "consensus, then least squares on its inliers (LSQ+RANSAC of the paper)"},
@@ -163,7 +162,6 @@ enum class EstimateStatus : std::uint8_t {
 };
 template <>
 struct EnumNames<EstimateStatus> {
-  static constexpr const char* kWhat = "status";
   static constexpr EnumName<EstimateStatus> kValues[] = {
       {EstimateStatus::kOk, "ok"},
       {EstimateStatus::kTooFewReturns, "too few returns"},

@@ -17,7 +17,6 @@ enum class MotionModel : std::uint8_t {
 };
 template <>
 struct EnumNames<MotionModel> {
-  static constexpr const char* kWhat = "motion model";
   static constexpr EnumName<MotionModel> kValues[] = {
       {MotionModel::kPlanar, "planar", "vx, vy: the model of the paper"},
       {MotionModel::kPlanarYaw, "planar_yaw", "vx, vy and the yaw rate"},

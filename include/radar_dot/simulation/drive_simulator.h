@@ -30,7 +30,6 @@ enum class GroundTruth { kAll, kKeyframes, kNone };
 
 template <>
 struct EnumNames<simulation::CameraFrames> {
-  static constexpr const char* kWhat = "frames";
   static constexpr EnumName<simulation::CameraFrames> kValues[] = {
       {simulation::CameraFrames::kAll, "all", "all at the camera's rate"},
       {simulation::CameraFrames::kPairs, "pairs", "keyframes and the image after each"},
@@ -39,7 +38,6 @@ struct EnumNames<simulation::CameraFrames> {
 
 template <>
 struct EnumNames<simulation::GroundTruth> {
-  static constexpr const char* kWhat = "ground_truth";
   static constexpr EnumName<simulation::GroundTruth> kValues[] = {
       {simulation::GroundTruth::kAll, "all", "of all images"},
       {simulation::GroundTruth::kKeyframes, "keyframes", "of keyframes"},

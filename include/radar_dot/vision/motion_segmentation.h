@@ -23,7 +23,6 @@ enum class MotionScore {
 };
 template <>
 struct EnumNames<MotionScore> {
-  static constexpr const char* kWhat = "score";
   static constexpr EnumName<MotionScore> kValues[] = {
       {MotionScore::kPaper, "paper", "residuals over one tolerance each, MADs above the median"},
       {MotionScore::kUncertainty, "uncertainty",

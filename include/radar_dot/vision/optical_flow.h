@@ -30,7 +30,6 @@ struct FlowField {
 enum class FlowPreset { kUltrafast, kFast, kMedium, kFine };
 template <>
 struct EnumNames<FlowPreset> {
-  static constexpr const char* kWhat = "preset";
   static constexpr EnumName<FlowPreset> kValues[] = {
       {FlowPreset::kUltrafast, "ultrafast", "of OpenCV"},
       {FlowPreset::kFast, "fast", "of OpenCV"},
@@ -43,7 +42,6 @@ struct EnumNames<FlowPreset> {
 enum class FlowStart { kNone, kTemporal, kExpected };
 template <>
 struct EnumNames<FlowStart> {
-  static constexpr const char* kWhat = "initialisation";
   static constexpr EnumName<FlowStart> kValues[] = {
       {FlowStart::kNone, "none", "zero: every pair by itself"},
       {FlowStart::kTemporal, "temporal", "the flow of the previous pair, for streams of images"},
