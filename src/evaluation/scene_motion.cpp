@@ -27,10 +27,8 @@ void SceneMotion::take(SceneSweep& sweep) {
   const EgoVelocityResult& single = estimate.single;
   if (!single.valid()) return;
   if (single.observed[0]) raw_.add({sweep.time, single.linear, single.angular});
-  if (!config.filter || estimate.filtered) {
-    const EgoVelocityResult result =
-        config.filter ? filteredResult(estimate.filtered->state, single) : single;
-    twists_.add({sweep.time, result.linear, result.angular, result.covariance},
+  if (const std::optional<EgoVelocityResult> output = estimate.output()) {
+    twists_.add({sweep.time, output->linear, output->angular, output->covariance},
                 options_.rotation == RotationSource::kRadar);
   }
   keepPoints(sweep, single);

@@ -217,19 +217,13 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
 }
 
 void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, const SweepEstimate& estimate) {
-  const auto raw = twistMessage(stamp, extrinsics_->baseFrame(), estimate.single);
-  raw_twist_publisher_.publish(raw);
-  if (!config_.filter) {
-    twist_publisher_.publish(raw);
-    return;
-  }
-  if (!estimate.filtered) return;
-  if (estimate.filtered->was_reset && throttle_.allow("filter", "reset")) {
+  raw_twist_publisher_.publish(twistMessage(stamp, extrinsics_->baseFrame(), estimate.single));
+  if (const std::optional<EgoVelocityResult> output = estimate.output())
+    twist_publisher_.publish(twistMessage(stamp, extrinsics_->baseFrame(), *output));
+  if (estimate.filtered && estimate.filtered->was_reset && throttle_.allow("filter", "reset")) {
     NODELET_WARN("%s: velocity filter reset: gap in the input, or repeated estimates outside its gate",
                  getName().c_str());
   }
-  twist_publisher_.publish(twistMessage(stamp, extrinsics_->baseFrame(),
-                                        filteredResult(estimate.filtered->state, estimate.single)));
 }
 
 void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const EgoVelocityResult& result,

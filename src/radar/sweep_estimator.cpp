@@ -15,6 +15,11 @@ constexpr double kMaxTurningAge = 1.0;  // s
 
 }  // namespace
 
+std::optional<EgoVelocityResult> SweepEstimate::output() const {
+  if (filtered) return filteredResult(filtered->state, single);
+  return filters || !single.valid() ? std::nullopt : std::optional<EgoVelocityResult>(single);
+}
+
 void SweepEstimator::configure(const SweepEstimatorParams& params) {
   // Everything that can throw comes first.
   std::optional<EgoVelocityEstimator> estimator;
@@ -40,7 +45,7 @@ void SweepEstimator::turnBearings(std::vector<RadarScan>& scans) const {
 
 SweepEstimate SweepEstimator::estimate(std::vector<RadarScan>& scans, double time) {
   turnBearings(scans);
-  SweepEstimate estimate{estimator_.estimate(scans, time, acceleration(time)), std::nullopt};
+  SweepEstimate estimate{estimator_.estimate(scans, time, acceleration(time)), std::nullopt, filters_};
   const EgoVelocityResult& single = estimate.single;
   if (!single.valid()) return estimate;
   latest_ = StampedTwist{time, single.linear, single.angular};

@@ -88,6 +88,25 @@ TEST(SweepEstimator, WhatCannotBeConfiguredChangesNothing) {
   EXPECT_TRUE(estimator.filter().started());
 }
 
+TEST(SweepEstimator, TheOutputIsFilteredOrThatOfTheSweepAlone) {
+  const test::Sweep sweep = test::makeSweep(test::carMounts(), {10.0, 0.0, 0.0}, {0.0, 0.0, 0.05}, {});
+  for (const bool filter : {true, false}) {
+    SweepEstimatorParams config;
+    config.filter = filter;
+    SweepEstimator estimator(config);
+    std::vector<RadarScan> scans = sweep.scans(), none;
+    EXPECT_FALSE(estimator.estimate(none, 0.0).output());
+    estimator.estimate(scans, kPeriod);  // the filter starts with it as it is
+    const SweepEstimate estimate = estimator.estimate(scans, 2.0 * kPeriod);
+    const std::optional<EgoVelocityResult> output = estimate.output();
+    ASSERT_TRUE(output);
+    EXPECT_EQ(estimate.filtered.has_value(), filter);
+    EXPECT_EQ(output->covariance == estimate.single.covariance, !filter);
+    EXPECT_EQ(estimator.estimate(scans, 2.0 * kPeriod).output().has_value(), !filter)
+        << "not later than before";
+  }
+}
+
 // The filter weighs each radar by the configured noise, not by its default.
 TEST(SweepEstimator, ALargerDopplerStdWidensTheFilteredCovariance) {
   const auto filtered = [](double doppler_std) {

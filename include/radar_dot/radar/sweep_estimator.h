@@ -32,6 +32,11 @@ struct SweepEstimate {
   /// Over the sweeps: none without the filter, without a valid estimate, or where that is not later than the
   /// one before.
   std::optional<Filtered> filtered;
+  bool filters = true;  ///< the filter is on
+
+  /// What ego/twist says of the sweep: filtered, or of the sweep alone where the filter is off; none as for
+  /// `filtered`, or without a valid estimate.
+  std::optional<EgoVelocityResult> output() const;
 };
 
 /// From the scans of each sweep to the velocity of the vehicle, and to the velocity filtered over the sweeps:
@@ -65,7 +70,7 @@ class SweepEstimator {
   AccelerationTracker tracker_;
   VelocityFilter filter_;
   bool filters_ = true, filters_radars_ = true;
-  double bearing_delay_ = 0.0;             // s
+  double bearing_delay_ = 0.0;          // s
   std::optional<StampedTwist> latest_;  // valid estimate
 };
 

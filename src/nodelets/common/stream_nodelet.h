@@ -118,7 +118,6 @@ class StreamNodelet : public nodelet::Nodelet {
   /// Subscribes what is wanted now, and only that.
   void updateInputs();
 
-  bool connected() const noexcept { return connected_; }  ///< there is an audience
   void noteOutput() { last_output_ = ros::WallTime::now(); }
   /// s since the latest output, or since there is an audience.
   double withoutOutput() const { return (ros::WallTime::now() - last_output_).toSec(); }
