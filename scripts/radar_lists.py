@@ -48,6 +48,8 @@ _ARS430 = {
     "azimuth": ["-where(Prob0 >= Prob1, AzAng0, AzAng1)", "-AzAng"], "doppler": "VrelRad",
     "rcs": ["where(Prob0 >= Prob1, RCS0, RCS1)", "RCS"], "snr": "SNR", "group": "TimeStamp",
 }
+_SICK = {"list": "targets", "header": "targets.header", "x": "x", "y": "y", "z": "z", "doppler": "vrad",
+         "note": CHECK_SIGN}
 _ARBE_RANGE = "((Points.range_bin - PcMetadata.range_offset) * PcMetadata.PcResolution.range_resolution)"
 _ARBE_RIGHT = "(Points.azimuth_signed_bin * PcMetadata.PcResolution.azimuth_coefficient)"  # sine of the angle
 _ARBE_UP = "(Points.elevation_signed_bin * PcMetadata.PcResolution.elevation_coefficient)"
@@ -112,8 +114,8 @@ TABLE = {
         "note": TRACKED + "; velocities are relative only while the radar is not told that of the vehicle"},
     "radar_pa_msgs/radar_msg": {"list": "data_A", "range": "distance", "azimuth": "angle", "doppler": "velocity",
                                 "rcs": "power", "valid": "is_target", "note": CHECK_SIGN},
-    "sick_scan/RadarScan": {"list": "targets", "header": "targets.header", "x": "x", "y": "y", "z": "z",
-                            "doppler": "vrad", "note": CHECK_SIGN},
+    "sick_scan/RadarScan": _SICK,
+    "sick_scan_xd/RadarScan": _SICK,
 }
 
 

@@ -38,9 +38,9 @@ class Live(unittest.TestCase):
         self.assertEqual(cloud.header.frame_id, "radar_front")
         self.assertTrue(begin < cloud.header.stamp <= rospy.Time.now())
         self.assertEqual([field.name for field in cloud.fields], ["x", "y", "z", "doppler"])
-        self.assertEqual((cloud.height, cloud.width, cloud.point_step, cloud.row_step), (1, 2, 16, 32))
+        self.assertEqual((cloud.height, cloud.width, cloud.point_step, cloud.row_step), (1, 3, 16, 48))
         expected = [(*place, 0.0, -doppler) for place, doppler in zip(PLACES, DOPPLERS)]
-        np.testing.assert_allclose(np.frombuffer(cloud.data, np.float32).reshape(2, 4), expected, atol=1e-3)
+        np.testing.assert_allclose(np.frombuffer(cloud.data, np.float32).reshape(3, 4), expected, atol=1e-3)
 
     def test_a_list_without_a_frame_is_an_error(self):
         errors = queue.Queue()

@@ -2,7 +2,8 @@
 # Copyright (c) 2026, the Radar-Dot developers
 # SPDX-License-Identifier: BSD-3-Clause
 """Lists of radar drivers as clouds: each type of the table on messages made from its public definition. The vehicle
-drives at 10 m/s; what it sees stands still: one target 50 m ahead, one 20 m away, 30 degrees to the left."""
+drives at 10 m/s; one target stands 50 m ahead, one 20 m away, 30 degrees to the left; a third one, 8 m to the left,
+moves away to that side at 4 m/s."""
 import math
 import pathlib
 import sys
@@ -20,9 +21,9 @@ import radar_lists
 
 SPEED, RCS, SNR = 10.0, 12.5, 21.0
 LEFT = math.radians(30.0)
-TARGETS = [(50.0, 0.0), (20.0, LEFT)]  # range, azimuth
-PLACES = [(50.0, 0.0), (20.0 * math.cos(LEFT), 10.0)]
-DOPPLERS = [-10.0, -8.6602540]
+TARGETS = [(50.0, 0.0), (20.0, LEFT), (8.0, math.pi / 2)]  # range, azimuth
+PLACES = [(50.0, 0.0), (20.0 * math.cos(LEFT), 10.0), (0.0, 8.0)]
+DOPPLERS = [-10.0, -8.6602540, 4.0]
 SECTION = "\n" + 80 * "=" + "\nMSG: "
 
 
@@ -182,6 +183,8 @@ DEFINITIONS = {
          "geometry_msgs/PoseWithCovariance object_box_center;geometry_msgs/Vector3 object_box_size;"
          "geometry_msgs/Point[] contour_points")), "db9483dce93673bbf6148baa3d967315"),
 }
+DEFINITIONS["sick_scan_xd/RadarScan"] = (
+    DEFINITIONS["sick_scan/RadarScan"][0].replace("sick_scan/", "sick_scan_xd/"), None)
 CLASSES = {}
 
 
@@ -215,8 +218,8 @@ def listed(case, path, kind, values):
 
 
 def arbe_bins(case):
-    return [make(case, Points__range_bin=[102, 42], Points__doppler_signed_bin=[-1000, -866],
-                 Points__azimuth_signed_bin=[0, -32], Points__elevation_signed_bin=[0, 0],
+    return [make(case, Points__range_bin=[102, 42, 18], Points__doppler_signed_bin=[-1000, -866, 400],
+                 Points__azimuth_signed_bin=[0, -32, -64], Points__elevation_signed_bin=[0, 0, 0],
                  PcMetadata__range_offset=2.0, PcMetadata__PcResolution__range_resolution=0.5,
                  PcMetadata__PcResolution__doppler_resolution=0.01,
                  PcMetadata__PcResolution__azimuth_coefficient=1.0 / 64.0,
@@ -225,11 +228,15 @@ def arbe_bins(case):
 
 def sick_cloud(case):
     rows = np.array([(*place, 0.0, doppler, 30.0) for place, doppler in zip(PLACES, DOPPLERS)], np.float32)
-    cloud = PointCloud2(height=1, width=2, point_step=20, row_step=40, data=rows.tobytes())
+    cloud = PointCloud2(height=1, width=3, point_step=20, row_step=60, data=rows.tobytes())
     cloud.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1)
                     for i, name in enumerate(("x", "y", "z", "vrad", "amplitude"))]
     cloud.header = Header(0, genpy.Time(7), "radar")
     return [make(case, targets=cloud)]
+
+
+def sideways(y):
+    return 4.0 if y == 8.0 else 0.0
 
 
 def right_deg(azimuth):
@@ -237,14 +244,14 @@ def right_deg(azimuth):
 
 
 def esr(prefix, identity):
-    names = iter(range(2))
+    names = iter(range(3))
     return lambda length, azimuth, x, y, doppler: {
         prefix + "range": length, prefix + "angle": right_deg(azimuth), prefix + "range_rate": doppler,
         prefix + "status": 3, prefix + identity: next(names)}
 
 
 def numbered(key, values):
-    names = iter(range(2))
+    names = iter(range(3))
     return lambda *target: {key: next(names), **values(*target)}
 
 
@@ -253,23 +260,27 @@ STATES = {"rcs": RCS, "ambig_state": 3, "invalid_state": 4, "pdh0": 1}
 MESSAGES = {
     "ars_40X/ClusterList": (lambda case: listed(case, "clusters", "ars_40X/Cluster", lambda r, a, x, y, d: dict(
         position__pose__position__x=x, position__pose__position__y=y, relative_velocity__twist__linear__x=-SPEED,
-        rcs=RCS, ambig_state=3, invalid_state=4, prob_of_exist=1)), STATES),
+        relative_velocity__twist__linear__y=sideways(y), rcs=RCS, ambig_state=3, invalid_state=4,
+        prob_of_exist=1)), STATES),
     "ars_40X/ObjectList": (lambda case: listed(case, "objects", "ars_40X/Object", lambda r, a, x, y, d: dict(
         position__pose__position__x=x, position__pose__position__y=y, relative_velocity__twist__linear__x=-SPEED,
-        rcs=RCS, meas_state=2)), {"rcs": RCS}),
+        relative_velocity__twist__linear__y=sideways(y), rcs=RCS, meas_state=2)), {"rcs": RCS}),
     "radar_conti/ClusterList": (lambda case: listed(
         case, "clusters", "radar_conti/Cluster", lambda r, a, x, y, d: dict(
             cluster_general__cluster_distlong__data=x, cluster_general__cluster_distlat__data=y,
-            cluster_general__cluster_vrellong__data=-SPEED, cluster_general__cluster_rcs__data=RCS,
+            cluster_general__cluster_vrellong__data=-SPEED,
+            cluster_general__cluster_vrellat__data=sideways(y), cluster_general__cluster_rcs__data=RCS,
             cluster_quality__cluster_ambigstate__data="\x03", cluster_quality__cluster_invalidstate__data="\x04",
             cluster_quality__cluster_pdh0__data="1")), STATES),
     "radar_conti/ObjectList": (lambda case: listed(
         case, "objects", "radar_conti/Object", lambda r, a, x, y, d: dict(
             object_general__obj_distlong__data=x, object_general__obj_distlat__data=y,
-            object_general__obj_vrellong__data=-SPEED, object_general__obj_rcs__data=RCS)), {"rcs": RCS}),
+            object_general__obj_vrellong__data=-SPEED,
+            object_general__obj_vrellat__data=sideways(y), object_general__obj_rcs__data=RCS)), {"rcs": RCS}),
     "nuscenes2bag/RadarObjects": (lambda case: listed(
         case, "objects", "nuscenes2bag/RadarObject", lambda r, a, x, y, d: dict(
-            pose__x=x, pose__y=y, vx=-SPEED, vx_comp=99.0, rcs=RCS, ambig_state=3, invalid_state=4, pdh0=1)), STATES),
+            pose__x=x, pose__y=y, vx=-SPEED, vy=sideways(y), vx_comp=99.0, rcs=RCS, ambig_state=3,
+            invalid_state=4, pdh0=1)), STATES),
     "ars430_ros_publisher/RadarPacket": (lambda case: listed(
         case, "Detections", "ars430_ros_publisher/RadarDetection", lambda r, a, x, y, d: dict(
             posX=r, posY=r * math.tan(a), AzAng=-a, VrelRad=d, RCS=RCS, SNR=SNR)), {"rcs": RCS, "snr": SNR}),
@@ -299,13 +310,15 @@ MESSAGES = {
     "arbe_msgs/arbeNewPcMsg": (arbe_bins, {}),
     "off_highway_radar_msgs/Objects": (lambda case: listed(
         case, "objects", "off_highway_radar_msgs/Object", lambda r, a, x, y, d: dict(
-            a__position__x=x, a__position__y=y, a__velocity__linear__x=-SPEED, a__valid=True, b__rcs=RCS)),
+            a__position__x=x, a__position__y=y, a__velocity__linear__x=-SPEED,
+            a__velocity__linear__y=sideways(y), a__valid=True, b__rcs=RCS)),
         {"rcs": RCS}),
     "radar_pa_msgs/radar_msg": (lambda case: [make(case, data_A=returns(
         case, "radar_pa_msgs/radar_msg_A", lambda r, a, x, y, d: dict(
             distance=r, angle=a, velocity=d, power=RCS, is_target=1))
-        + [make(case, "radar_pa_msgs/radar_msg_A") for _ in range(46)])], {"rcs": RCS}),
+        + [make(case, "radar_pa_msgs/radar_msg_A") for _ in range(45)])], {"rcs": RCS}),
     "sick_scan/RadarScan": (sick_cloud, {}),
+    "sick_scan_xd/RadarScan": (sick_cloud, {}),
 }
 
 
@@ -324,7 +337,7 @@ class Table(unittest.TestCase):
             if md5sum:
                 self.assertEqual(make(case)._md5sum, md5sum, case)
 
-    def test_standing_targets_come_nearer_at_the_speed_of_the_vehicle(self):
+    def test_range_rates_are_those_of_the_drive(self):
         for case, (messages, further) in MESSAGES.items():
             with self.subTest(case):
                 names, rows = radar_lists.Entry(type_of(case)).rows(messages(case))
@@ -347,7 +360,7 @@ class Table(unittest.TestCase):
                 self.assertEqual(len(scans), 0 if collector.entry.collects else 1)
                 scans += collector.late(at(1.1 + collector.pause))
                 self.assertEqual([(scan.stamp, scan.frame_id, len(scan.rows)) for scan in scans],
-                                 [(at(1.0), "radar", 2)])
+                                 [(at(1.0), "radar", 3)])
 
     def test_what_is_no_measurement_is_left_out(self):
         for case, path, values in (
@@ -363,8 +376,21 @@ class Table(unittest.TestCase):
                 for name, value in values.items():
                     setattr(first.a if "__" in name else first, name.split("__")[-1], value)
                 _, rows = radar_lists.Entry(case).rows(messages)
-                self.assertEqual(len(rows), 1)
-                np.testing.assert_allclose(rows[0, :2], PLACES[1], atol=1e-3)
+                self.assertEqual(len(rows), 2)
+                np.testing.assert_allclose(rows[:, :2], PLACES[1:], atol=1e-3)
+
+    def test_heights_are_kept(self):
+        for case, returns_of, name in (
+                ("nuscenes2bag/RadarObjects", lambda message: message.objects[0].pose, "z"),
+                ("ars548_msg/DetectionList", lambda message: message.detection_array[0], "f_z"),
+                ("ti_mmwave_rospkg/RadarScan", lambda message: message, "z")):
+            messages = MESSAGES[case][0](case)
+            setattr(returns_of(messages[0]), name, 1.5)
+            self.assertEqual(radar_lists.Entry(case).rows(messages)[1][0, 2], 1.5, case)
+        case = "sick_scan/RadarScan"
+        message = sick_cloud(case)[0]
+        message.targets.fields[2].name, message.targets.fields[4].name = "amplitude", "z"
+        self.assertEqual(radar_lists.Entry(case).rows([message])[1][0, 2], 30.0)
 
     def test_elevation_shortens_the_ground_distance(self):
         case = "ainstein_radar_msgs/RadarTargetArray"
@@ -372,7 +398,7 @@ class Table(unittest.TestCase):
         np.testing.assert_allclose(radar_lists.Entry(case).rows([message])[1][0, :3], [20 * math.cos(LEFT), 0, 10],
                                    atol=1e-5)
         message = arbe_bins("arbe_msgs/arbeNewPcMsg")[0]
-        message.Points.azimuth_signed_bin, message.Points.elevation_signed_bin = [0, 0], [0, 32]
+        message.Points.azimuth_signed_bin, message.Points.elevation_signed_bin = [0, 0, 0], [0, 32, 0]
         np.testing.assert_allclose(radar_lists.Entry("arbe_msgs/arbeNewPcMsg").rows([message])[1][1, :3],
                                    [20 * math.cos(LEFT), 0, 10], atol=1e-5)
 
@@ -386,7 +412,8 @@ class Table(unittest.TestCase):
         self.assertEqual(radar_lists.Entry(case).rows(messages)[0], ["x", "y", "z", "doppler", "rcs"])
 
     def test_the_header_is_found(self):
-        for case, frame, seconds in (("sick_scan/RadarScan", "radar", 7), ("ars548_msg/DetectionList", "radar", 7),
+        for case, frame, seconds in (("sick_scan/RadarScan", "radar", 7), ("sick_scan_xd/RadarScan", "radar", 7),
+                                     ("ars548_msg/DetectionList", "radar", 7),
                                      ("arbe_msgs/arbeNewPcMsg", "", 0)):
             header = radar_lists.Entry(case).header(MESSAGES[case][0](case)[0])
             self.assertEqual((header.frame_id, header.stamp), (frame, genpy.Time(seconds)), case)
@@ -402,25 +429,30 @@ class Scans(unittest.TestCase):
             scans += collector.add(make(case, **values), at(seconds), at(seconds))
         return [(len(scan.rows), round(scan.stamp.to_sec(), 6)) for scan in scans + collector.flush()]
 
+    # Keys of what comes one message at a time: the number, and what makes it valid.
+    NUMBERED = {"ti_mmwave_rospkg/RadarScan": ("point_id", {}), "delphi_esr_msgs/EsrTrack": ("id", {"status": 3}),
+                "delphi_mrr_msgs/MrrDetection": ("detection_id", {"valid_level": True})}
+
     def test_a_scan_ends_when_the_point_or_track_starts_again(self):
-        for case, key in (("ti_mmwave_rospkg/RadarScan", "point_id"), ("delphi_mrr_msgs/MrrDetection", "detection_id")):
-            valid = {"valid_level": True} if "mrr" in case else {}
+        for case, (key, valid) in self.NUMBERED.items():
             ids = [0, 1, 4, 0, 2, 2, 1]  # falls, repeats, falls
             messages = [(1.0 + 0.001 * i, {key: value, **valid}) for i, value in enumerate(ids)]
             self.assertEqual(self.collect(case, messages), [(3, 1.0), (2, 1.003), (1, 1.005), (1, 1.006)], case)
 
     def test_a_scan_ends_with_a_pause_although_numbers_grow(self):
-        messages = [(seconds, {"id": number, "status": 3}) for seconds, number in
-                    ((1.0, 1), (1.001, 2), (1.051, 3), (1.052, 4))]
-        self.assertEqual(self.collect("delphi_esr_msgs/EsrTrack", messages), [(2, 1.0), (2, 1.051)])
+        for case, (key, valid) in self.NUMBERED.items():
+            messages = [(seconds, {key: number, **valid}) for seconds, number in
+                        ((1.0, 1), (1.01, 2), (1.041, 3), (1.042, 4))]
+            self.assertEqual(self.collect(case, messages), [(2, 1.0), (2, 1.041)], case)
 
     def test_a_scan_of_several_packets_ends_with_its_time_stamp(self):
-        case = "ars430_ros_publisher/RadarPacket"
-        detections = returns(case, "ars430_ros_publisher/RadarDetection", lambda r, a, x, y, d: dict(posX=r))
-        messages = [(1.0, dict(TimeStamp=5, Detections=detections)), (1.001, dict(TimeStamp=5)),
-                    (1.002, dict(TimeStamp=5, Detections=detections)),
-                    (1.003, dict(TimeStamp=6, Detections=detections))]
-        self.assertEqual(self.collect(case, messages), [(4, 1.0), (2, 1.003)])
+        for package, length in (("ars430_ros_publisher", "posX"), ("radar_driver", "Range")):
+            case = package + "/RadarPacket"
+            detections = returns(case, package + "/RadarDetection", lambda r, a, x, y, d: {length: r})
+            messages = [(1.0, dict(TimeStamp=5, Detections=detections)), (1.001, dict(TimeStamp=5)),
+                        (1.002, dict(TimeStamp=5, Detections=detections)),
+                        (1.003, dict(TimeStamp=6, Detections=detections))]
+            self.assertEqual(self.collect(case, messages), [(6, 1.0), (3, 1.003)], case)
 
     def test_lists_that_their_driver_does_not_clear_are_cut(self):
         case = "radar_conti/ClusterList"
@@ -432,11 +464,12 @@ class Scans(unittest.TestCase):
 
     def test_of_lists_that_grow_with_every_frame_the_complete_one_counts(self):
         case = "radar_conti/ObjectList"
-        objects = [make(case, "radar_conti/Object", obj_id__data=i) for i in (0, 0, 1, 0, 1, 2)]
+        objects = [make(case, "radar_conti/Object", obj_id__data=i) for i in (0, 0, 1, 0, 1, 2, 0, 1, 2)]
         collector, scans = radar_lists.Collector(radar_lists.Entry(case)), []
-        for stamp, count in ((1.0, 0), (1.0, 1), (1.0, 3), (1.0, 6), (1.07, 6)):
+        for stamp, arrival, count in ((1.0, 1.0, 0), (1.0, 1.0, 1), (1.0, 1.0, 3), (1.0, 1.01, 6), (1.0, 1.07, 9),
+                                      (1.07, 1.07, 9)):
             message = make(case, header=Header(0, at(stamp), ""), objects=objects[:count])
-            scans += collector.add(message, at(stamp), at(stamp))
+            scans += collector.late(at(arrival)) + collector.add(message, at(stamp), at(arrival))
         self.assertEqual([(len(scan.rows), scan.stamp) for scan in scans], [(3, at(1.0))])
 
     def test_the_stamp_of_a_bag_that_starts_again_ends_a_scan(self):
