@@ -152,8 +152,8 @@ class Expression(ast.NodeTransformer):
         return eval(self.program, {"__builtins__": {}, **FUNCTIONS, **values})
 
     def generic_visit(self, node):
-        if not isinstance(node, self.ALLOWED):
-            raise ListError(f"'{self.text}' may have fields, numbers, + - * / **, comparisons, & | and "
+        if not isinstance(node, self.ALLOWED) or len(getattr(node, "ops", [])) > 1:
+            raise ListError(f"'{self.text}' may have fields, numbers, + - * / **, comparisons of two, & | and "
                             f"{', '.join(sorted(FUNCTIONS))} only")
         return super().generic_visit(node)
 
@@ -214,7 +214,11 @@ class Entry:
     def elements(self, message):
         if "list" not in self.keys:
             return [message]
-        elements = self._get(message, self.keys["list"])
+        try:
+            elements = operator.attrgetter(self.keys["list"])(message)
+        except AttributeError:
+            raise ListError(f"{self.type}: no '{self.keys['list']}' (list) in the message, which has "
+                            f"{', '.join(message.__slots__)}")
         if getattr(elements, "_type", "") == "sensor_msgs/PointCloud2":
             return point_cloud2.read_points_list(elements)
         return elements
@@ -246,12 +250,6 @@ class Entry:
                 pass
         fields = ", ".join(getattr(pairs[0][0], "__slots__", None) or getattr(pairs[0][0], "_fields", []))
         raise ListError(f"{self.type}: no '{self.expressions[key][0].text}' ({key}) in a return, which has {fields}")
-
-    def _get(self, message, path):
-        try:
-            return operator.attrgetter(path)(message)
-        except AttributeError:
-            raise ListError(f"{self.type}: no '{path}' (list) in the message, which has {', '.join(message.__slots__)}")
 
     def rows(self, messages):
         """Names of the fields, and one row of float32 per return of the messages, which make one scan."""
