@@ -34,7 +34,14 @@ class Live(unittest.TestCase):
         clouds = queue.Queue()
         rospy.Subscriber("esr/points", PointCloud2, clouds.put)
         begin = rospy.Time.now()
-        cloud = self.publish_until("esr/tracks", "delphi_esr_msgs/EsrTrack", lambda: clouds.get(timeout=0.1))
+
+        def whole_scan():
+            """On a machine that is busy elsewhere a scan may be torn, for these tracks have no stamps."""
+            cloud = clouds.get(timeout=0.1)
+            while cloud.width != 3:
+                cloud = clouds.get(timeout=0.1)
+            return cloud
+        cloud = self.publish_until("esr/tracks", "delphi_esr_msgs/EsrTrack", whole_scan)
         self.assertEqual(cloud.header.frame_id, "radar_front")
         self.assertTrue(begin < cloud.header.stamp <= rospy.Time.now())
         self.assertEqual([field.name for field in cloud.fields], ["x", "y", "z", "doppler"])
@@ -44,7 +51,7 @@ class Live(unittest.TestCase):
 
     def test_a_list_without_a_frame_is_an_error(self):
         errors = queue.Queue()
-        rospy.Subscriber("/rosout_agg", Log, lambda log: log.level == Log.ERROR and errors.put(log))
+        rospy.Subscriber("/rosout", Log, lambda log: log.level == Log.ERROR and errors.put(log))
         error = self.publish_until("ainstein/targets", "ainstein_radar_msgs/RadarTargetArray",
                                    lambda: errors.get(timeout=0.1))
         self.assertEqual(error.name, "/frameless")
