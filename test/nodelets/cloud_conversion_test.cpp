@@ -6,6 +6,7 @@
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud.h>
 
+#include <boost/make_shared.hpp>
 #include <boost/uuid/detail/md5.hpp>
 #include <cmath>
 #include <cstdio>
@@ -250,9 +251,9 @@ TEST(RadarMessage, TheSumOfRadarScanIsThatOfItsDefinition) {
     boost::uuids::detail::md5::digest_type digest;
     hash.get_digest(digest);
     std::string hex;
-    for (const char byte : std::string(reinterpret_cast<const char*>(&digest), sizeof digest)) {
-      char digits[3];
-      std::snprintf(digits, sizeof digits, "%02x", static_cast<unsigned>(static_cast<unsigned char>(byte)));
+    for (const unsigned word : digest) {
+      char digits[9];
+      std::snprintf(digits, sizeof digits, "%08x", word);
       hex += digits;
     }
     return hex;
