@@ -6,19 +6,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstring>
 
 namespace radar_dot {
-namespace {
-
-template <typename T>
-double load(const std::uint8_t* data) noexcept {
-  T value;
-  std::memcpy(&value, data, sizeof value);
-  return static_cast<double>(value);
-}
-
-}  // namespace
 
 std::size_t scalarSize(ScalarType type) noexcept {
   switch (type) {
@@ -32,20 +21,6 @@ std::size_t scalarSize(ScalarType type) noexcept {
     case ScalarType::kFloat64: return 8;
   }
   return 0;
-}
-
-double readScalar(const std::uint8_t* data, ScalarType type) noexcept {
-  switch (type) {
-    case ScalarType::kInt8: return load<std::int8_t>(data);
-    case ScalarType::kUint8: return load<std::uint8_t>(data);
-    case ScalarType::kInt16: return load<std::int16_t>(data);
-    case ScalarType::kUint16: return load<std::uint16_t>(data);
-    case ScalarType::kInt32: return load<std::int32_t>(data);
-    case ScalarType::kUint32: return load<std::uint32_t>(data);
-    case ScalarType::kFloat32: return load<float>(data);
-    case ScalarType::kFloat64: return load<double>(data);
-  }
-  return 0.0;
 }
 
 const PointField* findField(const std::vector<PointField>& fields, std::string_view name) noexcept {
