@@ -287,9 +287,10 @@ TEST(DopplerExtractor, NamesAllThatIsMissingAtOnce) {
   PointCloud cloud = makeCloud({"x", "Alpha", "power"}, {}, {});
   DopplerExtractor extractor;
   std::vector<DopplerReturn> returns;
-  EXPECT_EQ(test::refusalOf([&] { extractor.extract(cloud.view(), returns); }),
-            "the cloud has no field 'y' (position, else by range and azimuth); none of its fields has the name "
-            "of a range rate, nor are there 'vx' and 'vy': set doppler_field; its fields are: x, Alpha, power");
+  EXPECT_EQ(
+      test::refusalOf([&] { extractor.extract(cloud.view(), returns); }),
+      "the cloud has no field 'y' (position, else by range and azimuth); none of its fields has the name "
+      "of a range rate, nor are there 'vx' and 'vy': set doppler_field; its fields are: x, Alpha, power");
   EXPECT_EQ(extractor.dopplerSource(), "");
 
   ExtractionParams params;
