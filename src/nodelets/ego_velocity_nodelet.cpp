@@ -79,7 +79,8 @@ void EgoVelocityNodelet::warnOfSilentRadars() {
 
 void EgoVelocityNodelet::setUpRadars() {
   const std::string parameter = fieldsOf(config_).dictionaries().front().name;
-  for (const auto& [name, entry] : config_.radars) {
+  for (const auto& [name, given] : config_.radars) {
+    const RadarEntry entry = withPreset(given);
     if (!isTopic(entry.topic, parameter + "/" + name + "/" + nameOf(entry, entry.topic))) continue;
     RadarMonitor* monitor = listenAs<sensor_msgs::PointCloud2>(
         "radar " + name, std::make_unique<RadarMonitor>(name, radar_expectation_, config_.sweep.window),
@@ -108,8 +109,7 @@ void EgoVelocityNodelet::apply(const EgoVelocityConfig& config) {
   // Everything that can throw comes first: what is refused changes nothing.
   std::vector<std::pair<Radar*, DopplerExtractor>> extractors;
   for (const std::unique_ptr<Radar>& radar : radars_) {
-    ExtractionParams params = config.extraction;
-    params.doppler_scale = radar->entry.doppler_scale.value_or(params.doppler_scale);
+    const ExtractionParams params = extractionOf(config, radar->entry);
     if (!sameFields(radar->extractor.params(), params))
       extractors.emplace_back(radar.get(), DopplerExtractor(params));
   }
@@ -166,9 +166,7 @@ std::optional<Eigen::Isometry3d> EgoVelocityNodelet::mountOf(Radar& radar, const
   radar.monitor.mount(cause);
   if (mount) {
     mount_missing_since_.erase(frame);
-    mount->linear() =
-        Eigen::AngleAxisd(radar.entry.mount_yaw_correction, Eigen::Vector3d::UnitZ()) * mount->linear();
-    return mount;
+    return corrected(*mount, radar.entry);
   }
   const ros::WallTime now = ros::WallTime::now();
   if (mount_missing_since_.size() > kMaxMissingMounts) mount_missing_since_.clear();

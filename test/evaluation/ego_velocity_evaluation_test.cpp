@@ -12,10 +12,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
+#include "config/config_file.h"
 #include "fixtures/files.h"
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/refusal.h"
-#include "tools/config_file.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -237,7 +237,7 @@ class RealData : public ::testing::Test {
     const dataset::Tables tables = dataset::Tables::load(dataroot);
     VelocityEvaluationOptions options;
     Configuration nuscenes;
-    tools::readConfigFile(NUSCENES_CONFIG, sectionsOf(nuscenes));
+    readConfigFile(NUSCENES_CONFIG, sectionsOf(nuscenes));
     options.ego_velocity = nuscenes.ego_velocity;
     options.ego_velocity.filter = filter;
     for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
