@@ -73,6 +73,32 @@ void extract(benchmark::State& state) {
 }
 BENCHMARK(extract);
 
+// A scan of 9400 records with 7 fields, as of an Oculii Eagle, with all limits in use.
+void extractLarge(benchmark::State& state) {
+  PointCloud cloud;
+  for (const char* name : {"x", "y", "z", "doppler", "power", "recoveredSpeed", "denoiseFlag"}) {
+    cloud.fields.push_back({name, static_cast<std::uint32_t>(cloud.point_step), ScalarType::kFloat32, 1});
+    cloud.point_step += 4;
+  }
+  cloud.size = 9400;
+  std::vector<float> values;
+  for (std::size_t i = 0; i < cloud.size; ++i)
+    values.insert(values.end(), {10.F, static_cast<float>(i % 20), 0.5F, -5.F, 12.F, 0.F, 0.F});
+  cloud.data.resize(cloud.point_step * cloud.size);
+  std::memcpy(cloud.data.data(), values.data(), cloud.data.size());
+  ExtractionParams params;
+  params.filter.max_azimuth = params.filter.max_elevation = 1.2;
+  params.filter.min_height = -1.0;
+  params.filter.min_snr = 10.0;
+  params.filter.flag_field = "denoiseFlag";
+  params.filter.accepted_flags = {0, 1};
+  DopplerExtractor extractor(params);
+  const Eigen::Isometry3d mount = Eigen::Isometry3d::Identity();
+  std::vector<DopplerReturn> returns;
+  for (auto _ : state) benchmark::DoNotOptimize(extractor.extract(cloud.view(), returns, &mount).accepted);
+}
+BENCHMARK(extractLarge);
+
 }  // namespace
 
 BENCHMARK_MAIN();

@@ -99,12 +99,12 @@ LoadedRadar loadRadar(const Tables& tables, Index scene, const std::string& chan
     scan.time = secondsOf(reading) + entry.time_offset.value_or(0.0);
     scan.sample = reading.sample;
     scan.is_key_frame = reading.is_key_frame;
+    radar.T_base_from_sensor = tables.calibrated_sensors[at(reading.calibrated_sensor)].T_base_from_sensor;
     try {
-      extractor.extract(dataset::readPcd(path).view(), scan.returns);
+      extractor.extract(dataset::readPcd(path).view(), scan.returns, &radar.T_base_from_sensor);
     } catch (const std::invalid_argument& error) {
       throw DatasetError(fmt::format("{}: {}", path.string(), error.what()));
     }
-    radar.T_base_from_sensor = tables.calibrated_sensors[at(reading.calibrated_sensor)].T_base_from_sensor;
     radar.scans.push_back(std::move(scan));
   }
   radar.T_base_from_sensor = corrected(mountOf(entry).value_or(radar.T_base_from_sensor), entry);

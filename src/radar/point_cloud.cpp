@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/radar/point_cloud.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 
 namespace radar_dot {
@@ -49,6 +52,22 @@ const PointField* findField(const std::vector<PointField>& fields, std::string_v
   const auto found = std::find_if(fields.begin(), fields.end(),
                                   [name](const PointField& field) { return field.name == name; });
   return found == fields.end() ? nullptr : &*found;
+}
+
+const PointField* findFieldAnyCase(const std::vector<PointField>& fields, std::string_view name) noexcept {
+  if (const PointField* exact = findField(fields, name)) return exact;
+  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  const auto found = std::find_if(fields.begin(), fields.end(), [&](const PointField& field) {
+    return std::equal(field.name.begin(), field.name.end(), name.begin(), name.end(), same);
+  });
+  return found == fields.end() ? nullptr : &*found;
+}
+
+std::string defectOf(const PointField& field, std::size_t point_step) {
+  const std::size_t size = scalarSize(field.type);
+  if (size != 0 && field.offset + size <= point_step) return {};
+  return fmt::format("field '{}' (offset {}, type {}) does not fit into points of {} bytes", field.name,
+                     field.offset, static_cast<int>(field.type), point_step);
 }
 
 std::string fieldNames(const std::vector<PointField>& fields) {

@@ -73,6 +73,12 @@ struct PointCloud {
 /// The field called `name`, or nullptr.
 const PointField* findField(const std::vector<PointField>& fields, std::string_view name) noexcept;
 
+/// The same, and where there is none of exactly this name, the first that differs from it by case alone.
+const PointField* findFieldAnyCase(const std::vector<PointField>& fields, std::string_view name) noexcept;
+
+/// Why this field cannot be read from points of `point_step` bytes; empty: it can.
+std::string defectOf(const PointField& field, std::size_t point_step);
+
 /// "x, y, z, rcs": for messages.
 std::string fieldNames(const std::vector<PointField>& fields);
 
