@@ -99,7 +99,8 @@ LoadedRadar loadRadar(const Tables& tables, Index scene, const std::string& chan
     scan.time = secondsOf(reading) + entry.time_offset.value_or(0.0);
     scan.sample = reading.sample;
     scan.is_key_frame = reading.is_key_frame;
-    radar.T_base_from_sensor = tables.calibrated_sensors[at(reading.calibrated_sensor)].T_base_from_sensor;
+    const dataset::CalibratedSensor& sensor = tables.calibrated_sensors[at(reading.calibrated_sensor)];
+    radar.T_base_from_sensor = corrected(mountOf(entry).value_or(sensor.T_base_from_sensor), entry);
     try {
       extractor.extract(dataset::readPcd(path).view(), scan.returns, &radar.T_base_from_sensor);
     } catch (const std::invalid_argument& error) {
@@ -107,7 +108,6 @@ LoadedRadar loadRadar(const Tables& tables, Index scene, const std::string& chan
     }
     radar.scans.push_back(std::move(scan));
   }
-  radar.T_base_from_sensor = corrected(mountOf(entry).value_or(radar.T_base_from_sensor), entry);
   return radar;
 }
 
