@@ -223,6 +223,9 @@ const Layout kLayouts[] = {
     {"Bosch premium radar", "bosch_gpr", Kind::kCloud2, "x y z radial_velocity=rate radar_cross_section"},
     {"CARLA", "carla", Kind::kCloud2,
      "x y z Range=range Velocity=rate AzimuthAngle=azimuth ElevationAngle=elevation"},
+    {"ARS408 of nuScenes", "", Kind::kCloud2,
+     "x y z dyn_prop:i8 id:i16 rcs vx=-10 vy=0 vx_comp=0 vy_comp=0 ambig_state=3:i8 invalid_state=0:i8 "
+     "pdh0=1:i8"},
     {"radar_lists_to_cloud", "", Kind::kCloud2, "x y z doppler=rate rcs snr"},
     {"ARS408 by radar_lists_to_cloud", "ars408", Kind::kCloud2,
      "x y z doppler=rate rcs ambig_state=3 invalid_state=0 pdh0=1"},
