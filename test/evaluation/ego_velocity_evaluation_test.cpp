@@ -6,6 +6,7 @@
 #include <rapidjson/document.h>
 #include <rapidjson/pointer.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -172,9 +173,18 @@ TEST_F(Evaluation, OneRadarReportsWhatItCanSee) {
 TEST_F(Evaluation, AMountThatIsTurnedIsFound) {
   VelocityEvaluationOptions options;
   options.mount_yaw_corrections = {"RADAR_FRONT_LEFT=0.02"};
-  const VelocityReport report = evaluate(NuscenesFixture::kStraightScene, options);
+  VelocityReport report = evaluate(NuscenesFixture::kStraightScene, options);
   EXPECT_NEAR(report.mounts.at("RADAR_FRONT_LEFT").yaw(), -0.02, 1e-3);
   EXPECT_NEAR(report.mounts.at("RADAR_BACK_RIGHT").yaw(), 0.0, 1e-3);
+
+  // The mount of its entry counts instead of the calibration.
+  options = {};
+  RadarEntry& left = options.ego_velocity.radars["left"];
+  left.topic = "radar_front_left";
+  left.mount_xyz = std::array<double, 3>{2.422, 0.8, 0.78};
+  left.mount_rpy = std::array<double, 3>{0.0, 0.0, 88.4 * M_PI / 180.0 + 0.02};
+  report = evaluate(NuscenesFixture::kStraightScene, options);
+  EXPECT_NEAR(report.mounts.at("RADAR_FRONT_LEFT").yaw(), -0.02, 1e-3);
 }
 
 // Poses of another time are no ground truth.
