@@ -57,8 +57,6 @@ struct EgoVelocityEstimator::Workspace {
   void finish(const Observability& observability, const Parameters& reduced);
   Eigen::Matrix3d reducedCovariance(double threshold, double widening);
   void label();
-  /// Nothing is known: zero velocity, every axis with unobserved_variance.
-  void clearVelocity();
   void refuse(EstimateStatus status);
 
   static void gather(const ConstraintSystem& from, const std::vector<std::size_t>& which,
@@ -311,7 +309,8 @@ void EgoVelocityEstimator::Workspace::refuse(EstimateStatus status) {
   result.status = status;
   switch (status) {
     case EstimateStatus::kOk:
-    case EstimateStatus::kNoConsensus: break;  // whoever found it has said why
+    case EstimateStatus::kNoConsensus:
+    case EstimateStatus::kAmbiguous: break;  // whoever found it has said why
     case EstimateStatus::kTooFewReturns:
       result.reason = fmt::format("{} accepted returns, {} needed", result.return_count, params.min_returns);
       break;
@@ -320,17 +319,17 @@ void EgoVelocityEstimator::Workspace::refuse(EstimateStatus status) {
                                   result.return_count, std::string(toString(params.model)));
       break;
   }
-  clearVelocity();
+  result.clearVelocity(params.unobserved_variance);
   result.residuals.clear();
   result.labels.clear();
 }
 
-void EgoVelocityEstimator::Workspace::clearVelocity() {
-  result.linear.setZero();
-  result.angular.setZero();
-  result.covariance = Eigen::Matrix<double, 6, 6>::Identity() * params.unobserved_variance;
-  result.observed.fill(false);
-  result.fully_observed = false;
+void EgoVelocityResult::clearVelocity(double unobserved_variance) {
+  linear.setZero();
+  angular.setZero();
+  covariance = Eigen::Matrix<double, 6, 6>::Identity() * unobserved_variance;
+  observed.fill(false);
+  fully_observed = false;
 }
 
 EgoVelocityEstimator::EgoVelocityEstimator(const EgoVelocityParams& params)
@@ -353,7 +352,7 @@ void EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans, double 
   Workspace& w = *workspace_;
   w.result = std::move(result);
   w.result.reason.clear();
-  w.clearVelocity();
+  w.result.clearVelocity(w.params.unobserved_variance);
   w.result.condition_number = w.result.rms = 0.0;
   w.result.return_count = w.result.inlier_count = w.result.dynamic_count = 0;
 

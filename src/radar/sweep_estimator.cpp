@@ -43,12 +43,24 @@ void SweepEstimator::turnBearings(std::vector<RadarScan>& scans) const {
   }
 }
 
+std::optional<StampedTwist> SweepEstimator::latestVelocity() const {
+  if (!latest_ || !filters_ || !filter_.started()) return latest_;
+  EgoVelocityResult single;
+  single.linear = latest_->linear;
+  single.angular = latest_->angular;
+  single.covariance = latest_->covariance;
+  const EgoVelocityResult filtered = filteredResult(filter_.at(latest_->time), single);
+  return StampedTwist{latest_->time, filtered.linear, filtered.angular, filtered.covariance};
+}
+
 SweepEstimate SweepEstimator::estimate(std::vector<RadarScan>& scans, double time) {
   turnBearings(scans);
-  SweepEstimate estimate{estimator_.estimate(scans, time, acceleration(time)), std::nullopt, filters_};
+  const auto latest = DopplerUnwrapping::needed(scans) ? latestVelocity() : std::nullopt;
+  SweepEstimate estimate{unwrapping_.estimate(estimator_, scans, time, acceleration(time), latest),
+                         std::nullopt, filters_, unwrapping_.assumption()};
   const EgoVelocityResult& single = estimate.single;
   if (!single.valid()) return estimate;
-  latest_ = StampedTwist{time, single.linear, single.angular};
+  latest_ = StampedTwist{time, single.linear, single.angular, single.covariance};
   if (single.observed[0]) tracker_.add(time, single.linear);
   if (!filters_) return estimate;
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -149,6 +150,8 @@ struct RadarScan {
   /// velocities were measured; positions are right as measured. A radar that brings its positions forward by
   /// the time T while the vehicle turns with the rate w needs T w, see SweepEstimatorParams::bearing_delay.
   double bearing_rotation = 0.0;
+  /// m/s; range rates of the scan are known modulo twice this, see DopplerUnwrapping.
+  double unambiguous_velocity = std::numeric_limits<double>::infinity();
 
   bool knownDynamic(std::size_t i) const { return i < known_dynamic.size() && known_dynamic[i] != 0; }
 };
@@ -159,6 +162,7 @@ enum class EstimateStatus : std::uint8_t {
   kTooFewReturns,       ///< fewer accepted returns than min_returns
   kDegenerateBearings,  ///< not even the direction of travel is constrained
   kNoConsensus,         ///< no velocity explains enough of the returns
+  kAmbiguous,           ///< more than one velocity may be true, as range rates are known modulo an interval
 };
 template <>
 struct EnumNames<EstimateStatus> {
@@ -166,7 +170,8 @@ struct EnumNames<EstimateStatus> {
       {EstimateStatus::kOk, "ok"},
       {EstimateStatus::kTooFewReturns, "too few returns"},
       {EstimateStatus::kDegenerateBearings, "degenerate bearings"},
-      {EstimateStatus::kNoConsensus, "no consensus"}};
+      {EstimateStatus::kNoConsensus, "no consensus"},
+      {EstimateStatus::kAmbiguous, "ambiguous Doppler"}};
 };
 
 /// Label of one return.
@@ -203,6 +208,8 @@ struct EgoVelocityResult {
   std::vector<std::size_t> offsets;  ///< start of each scan in the two arrays, plus the end
 
   bool valid() const noexcept { return status == EstimateStatus::kOk; }
+  /// Nothing is known: zero velocity, every axis with this variance.
+  void clearVelocity(double unobserved_variance);
 };
 
 /// Velocity of a vehicle from one sweep of its radars.

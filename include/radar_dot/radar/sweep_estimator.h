@@ -4,8 +4,10 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "radar_dot/radar/doppler_unwrapping.h"
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/radar/odometry.h"
 #include "radar_dot/radar/velocity_filter.h"
@@ -32,7 +34,8 @@ struct SweepEstimate {
   /// Over the sweeps: none without the filter, without a valid estimate, or where that is not later than the
   /// one before.
   std::optional<Filtered> filtered;
-  bool filters = true;  ///< the filter is on
+  bool filters = true;          ///< the filter is on
+  std::string assumption = {};  ///< one line where `single` rests on one: DopplerUnwrapping::assumption
 
   /// What ego/twist says of the sweep: filtered, or of the sweep alone where the filter is off; none as for
   /// `filtered`, or without a valid estimate.
@@ -51,7 +54,8 @@ class SweepEstimator {
   /// mounts. @throws InvalidParameter, without any change
   void configure(const SweepEstimatorParams& params);
 
-  /// Turns the bearings of the scans, and estimates. @param time  s, of the newest scan
+  /// Turns the bearings of the scans, unwraps their range rates where those are ambiguous (the returns of
+  /// `scans` then stay here until the next call), and estimates. @param time  s, of the newest scan
   SweepEstimate estimate(std::vector<RadarScan>& scans, double time);
 
   /// What the sweeps so far say of other scans: sets their bearing_rotation by the latest yaw rate.
@@ -66,7 +70,11 @@ class SweepEstimator {
   const VelocityFilter& filter() const noexcept { return filter_; }
 
  private:
+  /// The velocity at the latest sweep, that of the filter where it runs.
+  std::optional<StampedTwist> latestVelocity() const;
+
   EgoVelocityEstimator estimator_;
+  DopplerUnwrapping unwrapping_;
   AccelerationTracker tracker_;
   VelocityFilter filter_;
   bool filters_ = true, filters_radars_ = true;
