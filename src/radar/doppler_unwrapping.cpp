@@ -15,9 +15,10 @@
 namespace radar_dot {
 namespace {
 
-constexpr double kMaxSpeed = 60.0;  // m/s, of a search
-constexpr double kMinStep = 1.0;    // m/s, of a search: bounds its time
-constexpr int kRounds = 4;          // of unwrapping and estimating
+constexpr double kMaxSpeed = 60.0;            // m/s, of a search
+constexpr double kMinStep = 1.0;              // m/s, of a search: bounds its time
+constexpr int kRounds = 4;                    // of unwrapping and estimating
+constexpr std::size_t kSearchReturns = 1000;  // of a sweep, about: so many tell the hypotheses apart
 
 // Of -2 log likelihood: at this difference the odds are a million to one, which leaves room for errors that
 // are not as the noise model says.
@@ -45,6 +46,23 @@ struct Hypothesis {
   double cost = 0.0;                                // -2 log likelihood of all returns
 };
 
+/// Every `stride`-th return of the scans.
+struct ThinnedScans {
+  ThinnedScans(const std::vector<RadarScan>& all, std::size_t stride) : returns(all.size()), scans(all) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      scans[i].known_dynamic.clear();
+      for (std::size_t k = 0; k < all[i].returns.size(); k += stride) {
+        returns[i].push_back(all[i].returns[k]);
+        scans[i].known_dynamic.push_back(all[i].knownDynamic(k) ? 1 : 0);
+      }
+      scans[i].returns = returns[i];
+    }
+  }
+  std::vector<std::vector<DopplerReturn>> returns;
+  std::vector<RadarScan> scans;
+};
+
+/// Looks for hypotheses of scans, whose returns it exchanges meanwhile.
 class Search {
  public:
   Search(EgoVelocityEstimator& estimator, std::vector<RadarScan>& scans, double time,
@@ -73,14 +91,10 @@ class Search {
   double margin(const StampedTwist& known, double age) const;
   /// Adds the hypothesis that this velocity leads to, unless there is none.
   void attempt(const StampedTwist& start);
-  /// Sorted, the likeliest first.
-  std::vector<Hypothesis> takeHypotheses();
-  /// What the estimator said of the first velocity that led to none.
+  /// Sorted, the likeliest first; the scans are again as they came.
+  std::vector<Hypothesis> finish();
+  /// What the estimator said of the first velocity that it refused.
   const std::optional<EgoVelocityResult>& refused() const { return refused_; }
-  /// The scans as they came.
-  void restore() {
-    for (std::size_t i = 0; i < scans_.size(); ++i) scans_[i].returns = measured_[i];
-  }
 
  private:
   void unwrap(const StampedTwist& start, Hypothesis& hypothesis);
@@ -205,7 +219,8 @@ void Search::attempt(const StampedTwist& start) {
   }
 }
 
-std::vector<Hypothesis> Search::takeHypotheses() {
+std::vector<Hypothesis> Search::finish() {
+  for (std::size_t i = 0; i < scans_.size(); ++i) scans_[i].returns = measured_[i];
   std::sort(hypotheses_.begin(), hypotheses_.end(),
             [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
   return std::move(hypotheses_);
@@ -228,13 +243,13 @@ void explore(Search& search, const StampedTwist& centre, double margin) {
   }
 }
 
-EgoVelocityResult refused(EgoVelocityResult result, const std::string& reason, double unobserved_variance) {
+EgoVelocityResult refused(const std::vector<RadarScan>& scans, const std::string& reason,
+                          double unobserved_variance) {
+  EgoVelocityResult result;
   result.status = EstimateStatus::kAmbiguous;
   result.reason = reason;
   result.clearVelocity(unobserved_variance);
-  result.dynamic_count = 0;
-  result.residuals.clear();
-  result.labels.clear();
+  for (const RadarScan& scan : scans) result.return_count += scan.returns.size();
   return result;
 }
 
@@ -295,19 +310,34 @@ EgoVelocityResult DopplerUnwrapping::estimate(EgoVelocityEstimator& estimator, s
   assumption_.clear();
   if (!needed(scans)) return estimator.estimate(scans, time, acceleration);
 
-  Search search(estimator, scans, time, acceleration);
-  const double margin = latest ? search.margin(*latest, time - latest->time) : 2.0 * kMaxSpeed;
-  explore(search, latest.value_or(StampedTwist{}), margin);
-  std::vector<Hypothesis> hypotheses = search.takeHypotheses();
-  search.restore();
   const double unobserved_variance = estimator.params().unobserved_variance;
-  if (hypotheses.empty()) {
-    if (search.refused()) return *search.refused();
-    return refused({}, "no choice of wraps agrees with its own estimate", unobserved_variance);
+  std::size_t total = 0;
+  for (const RadarScan& scan : scans) total += scan.returns.size();
+  const std::size_t stride = 1 + total / kSearchReturns;
+  ThinnedScans thinned(scans, stride);
+  Search search(estimator, thinned.scans, time, acceleration);
+  const double margin = latest ? search.margin(*latest, time - latest->time) : 2.0 * kMaxSpeed;
+  StampedTwist velocity = latest.value_or(StampedTwist{});
+  explore(search, velocity, margin);
+  std::vector<Hypothesis> hypotheses = search.finish();
+  Choice choice;
+  if (!hypotheses.empty()) {
+    choice = choose(search, hypotheses, time, latest, margin);
+    if (!choice.refusal.empty()) return refused(scans, choice.refusal, unobserved_variance);
+    std::swap(hypotheses.front(), hypotheses[choice.index]);
+    velocity = twistOf(hypotheses.front().result);
   }
-  Choice choice = choose(search, hypotheses, time, latest, margin);
-  Hypothesis& chosen = hypotheses[choice.index];
-  if (!choice.refusal.empty()) return refused(std::move(chosen.result), choice.refusal, unobserved_variance);
+  if (stride > 1 || hypotheses.empty()) {
+    Search all(estimator, scans, time, acceleration);
+    all.attempt(velocity);
+    hypotheses = all.finish();
+    if (hypotheses.empty() && all.refused()) return *all.refused();
+    if (hypotheses.empty() ||
+        all.apart(twistOf(hypotheses.front().result), velocity) > 0.5 * all.unambiguous()) {
+      return refused(scans, "the returns agree on no choice of wraps", unobserved_variance);
+    }
+  }
+  Hypothesis& chosen = hypotheses.front();
   assumption_ = std::move(choice.assumption);
   returns_ = std::move(chosen.returns);
   for (std::size_t i = 0; i < scans.size(); ++i) {

@@ -44,7 +44,7 @@ void SweepEstimator::turnBearings(std::vector<RadarScan>& scans) const {
 }
 
 std::optional<StampedTwist> SweepEstimator::latestVelocity() const {
-  if (!latest_ || !filters_ || !filter_.started()) return latest_;
+  if (!latest_ || latest_->observes(0) || !filters_ || !filter_.started()) return latest_;
   EgoVelocityResult single;
   single.linear = latest_->linear;
   single.angular = latest_->angular;

@@ -70,7 +70,8 @@ class SweepEstimator {
   const VelocityFilter& filter() const noexcept { return filter_; }
 
  private:
-  /// The velocity at the latest sweep, that of the filter where it runs.
+  /// The velocity at the latest sweep: of that alone, which follows any jerk, or, where it lacks vx, of the
+  /// filter.
   std::optional<StampedTwist> latestVelocity() const;
 
   EgoVelocityEstimator estimator_;
