@@ -164,7 +164,8 @@ struct AmbiguousDrive {
   bool filter = true;
   double half_field_of_view = 60.0;  // degrees
   double max_elevation = 0.0;        // degrees
-  double yaw_rate = 0.0;             // rad/s
+  std::size_t returns_per_radar = 100;
+  double yaw_rate = 0.0;  // rad/s
 
   double time = 0.0;
   SweepEstimator estimator;
@@ -184,7 +185,7 @@ struct AmbiguousDrive {
   SweepEstimate sweep(double speed) {
     test::SweepOptions options;
     options.seed = static_cast<std::uint32_t>(++sweeps);
-    options.returns_per_radar = 100;
+    options.returns_per_radar = returns_per_radar;
     options.moving_share = 0.3;
     options.doppler_sigma = 0.1;
     options.half_field_of_view = half_field_of_view * M_PI / 180.0;
@@ -311,6 +312,7 @@ TEST(AmbiguousDoppler, TheOtherRadarsDecide) {
 TEST(AmbiguousDoppler, WideBearingsTellWithoutAStart) {
   for (const double speed : {-14.7, 14.7, 28.0, 45.0}) {
     AmbiguousDrive drive;
+    drive.returns_per_radar = speed < 20.0 ? 100 : 4000;
     drive.half_field_of_view = 15.0;
     drive.configure();
     drive.hold(speed, 5);
