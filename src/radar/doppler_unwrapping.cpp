@@ -32,7 +32,7 @@ bool isAmbiguous(const RadarScan& scan) {
   return std::isfinite(scan.unambiguous_velocity) && scan.unambiguous_velocity > 0.0;
 }
 
-StampedTwist twistOf(const EgoVelocityResult& result) { return {0.0, result.linear, result.angular, {}}; }
+StampedTwist twistOf(const EgoVelocityResult& result) { return {0.0, result.linear, result.angular}; }
 
 /// The multiple of 2 V nearest to `range_rate`.
 float wrapsIn(double range_rate, const RadarScan& scan) {

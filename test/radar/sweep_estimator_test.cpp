@@ -286,6 +286,19 @@ TEST(AmbiguousDoppler, WithoutTheFilterInATurnAndInReverse) {
   drive.expectRight();
 }
 
+TEST(AmbiguousDoppler, ACornerRadarAlone) {
+  for (const double half_field_of_view : {15.0, 60.0}) {
+    AmbiguousDrive drive;
+    drive.mounts = {test::mount(3.2, 0.8, 0.5, 0.8)};
+    drive.half_field_of_view = half_field_of_view;
+    drive.model = MotionModel::kPlanar;
+    drive.configure();
+    drive.ramp(0.0, 30.0);
+    EXPECT_TRUE(drive.refusals.empty());
+    EXPECT_EQ(drive.unwrapped_wrong, 0U);
+  }
+}
+
 TEST(AmbiguousDoppler, TheOtherRadarsDecide) {
   // Bearings too narrow to tell by themselves, and a start far above the ambiguity.
   for (const bool all_narrow : {true, false}) {

@@ -15,17 +15,19 @@ namespace radar_dot {
 /// Velocity from radars that report range rates modulo twice their unambiguous velocity V: a true d is
 /// reported as the d + 2 V k that lies in [-V, V).
 ///
-/// A velocity near the true one tells the wraps of all static returns, so that the estimator solves what is
-/// left. Such velocities are the latest one where the vehicle cannot have left its surroundings, and else
-/// forward speeds up to 60 m/s in steps of V. Each gives a hypothesis: the returns unwrapped to what a static
-/// world would show, and their estimate, repeated until no wrap changes. The likelihood of all returns, of
-/// radars without an ambiguity or with another one as well, compares the hypotheses; its evidence is the
-/// cosine of the bearing, so that a few degrees of bearings hold none.
+/// A velocity that is off by less than V tells the wraps of all static returns. Starts are the latest
+/// velocity and its neighbours 2 V away; where the vehicle may have changed its speed by more than V / 2
+/// since, or where nothing is known, also forward speeds up to 60 m/s in steps of V. Each gives a hypothesis:
+/// the returns unwrapped to what a static world would show, and their estimate, repeated until no wrap
+/// changes. The likelihood of all returns, of radars without an ambiguity or with another one as well,
+/// compares the hypotheses. What differs between them for a single radar is the cosine of the bearing: a few
+/// degrees of bearings do not tell.
 ///
-/// The answer is a hypothesis that can follow from the latest velocity by accelerations of tyres
-/// (AccelerationTracker::kMaxAcceleration) and that no other outdoes or, among those that can follow, equals.
-/// Where there is no latest velocity and the evidence does not decide, a run starts below the ambiguity: the
-/// answer is the one hypothesis slower than V. In all other cases the status is kAmbiguous.
+/// The answer is the likeliest hypothesis that can follow from the latest velocity by accelerations of tyres
+/// (AccelerationTracker::kMaxAcceleration), if no other that can is about as likely, and none at all is far
+/// likelier. Without a latest velocity, where the likelihood does not decide, a run starts below the
+/// ambiguity: the answer is the one likely hypothesis slower than V. In all other cases the status is
+/// kAmbiguous.
 class DopplerUnwrapping {
  public:
   /// EgoVelocityEstimator::estimate, to which it comes down without a finite unambiguous_velocity.
