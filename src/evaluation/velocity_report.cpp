@@ -31,7 +31,7 @@ void addErrors(const std::string& name, const std::string& object, bool with_yaw
 std::vector<Column> modelColumns() {
   std::vector<Column> columns;
   for (const std::string model : {"planar", "planar_yaw", "ackermann", "spatial"})
-    addErrors(model, "models/" + model, model == "planar_yaw" || model == "ackermann", columns);
+    addErrors(model, "models/" + model, model != "planar", columns);
   columns.push_back(column("wheel_vx", "wheel_speed/vx_mae"));
   columns.push_back(column("wheel_vs_truth", "wheel_speed/ground_truth_vx_mae"));
   return columns;
@@ -43,6 +43,17 @@ std::vector<Column> causalColumns() {
   for (const std::string name : {"single", "filter"}) addErrors(name, "causal/" + name, true, columns);
   columns.push_back(column("rejected", "causal/rejected"));
   columns.push_back(column("starts", "causal/starts"));
+  return columns;
+}
+
+/// How consistent the covariances are.
+std::vector<Column> consistencyColumns() {
+  std::vector<Column> columns;
+  for (const std::string name : {"single", "filter"}) {
+    for (const std::string axis : {"vx", "vy", "yaw_rate"})
+      columns.push_back(
+          column(name + "_" + axis + "_nse", "causal/" + name + "/" + axis + "_normalised_squared", 2));
+  }
   return columns;
 }
 
@@ -141,14 +152,13 @@ std::string formatTable(const std::vector<VelocityReport>& scenes, const Velocit
   std::vector<Column> mounts;
   for (const auto& [channel, error] : overall.mounts)
     mounts.push_back(column(channel, "mount_yaw_error/" + channel, 1, 1e3));
-  std::string causal;
-  if (overall.filtered.vx.count > 0) {
-    causal = table(
-                 "Latest sweep at or before the middle of each pair, mean absolute error (m/s, rad/s): "
-                 "single, and filtered over the sweeps up to it; sweeps the filter rejected, and its starts",
-                 causalColumns()) +
-             "\n";
-  }
+  const std::string causal =
+      table(
+          "Latest sweep at or before the middle of each pair, mean absolute error (m/s, rad/s): single, and "
+          "filtered over the sweeps up to it; sweeps the filter rejected, and its starts",
+          causalColumns()) +
+      "\n" + table("The same, squared error over its stated variance (1: consistent)", consistencyColumns()) +
+      "\n";
   return table(
              "Ego velocity, mean |v - v_gt| (m/s), planar model: B1 least squares on all returns, A1 on the "
              "static ones, B2/A2 with RANSAC, robust with reweighted refinement",
@@ -174,7 +184,7 @@ std::string formatJson(const std::vector<VelocityReport>& scenes, const Velocity
 
 std::string formatCsv(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
   std::vector<Column> columns = estimatorColumns();
-  for (const auto& more : {modelColumns(), causalColumns(), outcomeColumns()})
+  for (const auto& more : {modelColumns(), causalColumns(), consistencyColumns(), outcomeColumns()})
     columns.insert(columns.end(), more.begin(), more.end());
   return csvOf(rowsOf(scenes, overall, "overall"), columns);
 }

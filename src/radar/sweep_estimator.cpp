@@ -43,17 +43,22 @@ void SweepEstimator::turnBearings(std::vector<RadarScan>& scans) const {
   }
 }
 
-SweepEstimate SweepEstimator::estimate(std::vector<RadarScan>& scans, double time) {
+SweepEstimate SweepEstimator::estimate(std::vector<RadarScan>& scans, double time,
+                                       const std::optional<AngularVelocity>& known) {
+  if (known && known->rate.allFinite()) latest_ = StampedTwist{time, Eigen::Vector3d::Zero(), known->rate};
   turnBearings(scans);
-  SweepEstimate estimate{estimator_.estimate(scans, time, acceleration(time)), std::nullopt, filters_};
+  SweepEstimate estimate{estimator_.estimate(scans, time, acceleration(time), known), std::nullopt,
+                         filters_ && params().model != MotionModel::kSpatial};
   const EgoVelocityResult& single = estimate.single;
   if (!single.valid()) return estimate;
   latest_ = StampedTwist{time, single.linear, single.angular};
   if (single.observed[0]) tracker_.add(time, single.linear);
-  if (!filters_) return estimate;
+  if (!estimate.filters) return estimate;
 
   std::vector<SensorVelocity> sensors;
-  if (filters_radars_) sensors = sensorVelocities(scans, single, estimator_.params());
+  // Without a yaw rate the radars contradict one another in every turn.
+  if (filters_radars_ && single.sources[5] != AxisSource::kAssumed)
+    sensors = sensorVelocities(scans, single, estimator_.params());
   const bool was_started = filter_.started();
   const VelocityFilter::Outcome outcome = filter_.update(time, single, sensors);
   if (outcome != VelocityFilter::Outcome::kStale) {

@@ -107,6 +107,76 @@ TEST(SweepEstimator, TheOutputIsFilteredOrThatOfTheSweepAlone) {
   }
 }
 
+/// The output after a drive of 3 s with radars on `mounts`.
+EgoVelocityResult outputOf(MotionModel model, const std::vector<Eigen::Isometry3d>& mounts,
+                           const Eigen::Vector3d& velocity, const Eigen::Vector3d& angular,
+                           const std::optional<AngularVelocity>& known = std::nullopt) {
+  SweepEstimatorParams config;
+  config.estimator.model = model;
+  config.filter_params.mount_yaw_std = 0.0;
+  SweepEstimator estimator(config);
+  SweepEstimate estimate;
+  for (int i = 0; i < 40; ++i) {
+    test::SweepOptions options;
+    options.seed = static_cast<std::uint32_t>(i + 1);
+    options.doppler_sigma = 0.05;
+    std::vector<RadarScan> scans;
+    const test::Sweep sweep = test::makeSweep(mounts, velocity, angular, options);
+    scans = sweep.scans();
+    for (RadarScan& scan : scans) scan.time = kPeriod * i;
+    estimate = estimator.estimate(scans, kPeriod * i, known);
+    if (!estimate.filtered) continue;
+    EXPECT_NE(estimate.filtered->outcome, VelocityFilter::Outcome::kRejected) << toString(model) << i;
+    EXPECT_FALSE(estimate.filtered->was_reset) << toString(model) << i;
+  }
+  EXPECT_EQ(estimate.filtered.has_value(), model != MotionModel::kSpatial);
+  EXPECT_TRUE(estimate.output()) << toString(model);
+  return estimate.output().value_or(EgoVelocityResult());
+}
+
+// A curve of 0.3 rad/s; what the model assumes is in the output as the model says it.
+TEST(SweepEstimator, TheFilterHonoursTheModel) {
+  const Eigen::Vector3d v(8.0, 0.0, 0.0), w(0.0, 0.0, 0.3);
+  const std::vector<Eigen::Isometry3d> front = {test::mount(3.4, 0.0, 0.5, 0.0)};
+  for (const auto& mounts : {front, test::carMounts()}) {
+    const EgoVelocityResult ackermann = outputOf(MotionModel::kAckermann, mounts, v, w);
+    EXPECT_NEAR(ackermann.linear.x(), 8.0, 0.05);
+    EXPECT_EQ(ackermann.linear.y(), 0.0);
+    EXPECT_DOUBLE_EQ(ackermann.covariance(1, 1), 0.01) << "sideslip_std";
+    EXPECT_NEAR(ackermann.angular.z(), 0.3, 0.02);
+    EXPECT_TRUE(ackermann.observed[5] && ackermann.fully_observed);
+    EXPECT_FALSE(ackermann.observed[1]);
+
+    const EgoVelocityResult planar = outputOf(MotionModel::kPlanar, mounts, v, w);
+    EXPECT_NEAR(planar.linear.x(), 8.0, 0.2);
+    EXPECT_EQ(planar.angular.z(), 0.0);
+    EXPECT_FALSE(planar.observed[5]);
+    EXPECT_GE(planar.covariance(5, 5), 0.99e6);
+  }
+}
+
+TEST(SweepEstimator, AKnownAngularVelocityMakesOneRadarEnough) {
+  const Eigen::Vector3d v(8.0, 0.2, 0.0), w(0.3, -0.2, 0.3);
+  const AngularVelocity known{w, 1e-4 * Eigen::Matrix3d::Identity()};
+  const std::vector<Eigen::Isometry3d> high = {test::mount(3.4, 0.5, 1.5, 0.3)};
+  for (const MotionModel model : {MotionModel::kPlanar, MotionModel::kPlanarYaw}) {
+    const EgoVelocityResult output = outputOf(model, high, v, w, known);
+    EXPECT_LT((output.linear - v).norm(), 0.06) << toString(model);
+    EXPECT_LT((output.angular - w).norm(), 0.005) << toString(model);
+    EXPECT_TRUE(output.observed[1] && output.observed[5] && output.fully_observed) << toString(model);
+    EXPECT_LT(output.covariance(1, 1), 0.01) << toString(model);
+    EXPECT_EQ(output.covariance(3, 3), 1e-4);
+  }
+}
+
+// The filter is that of a vehicle in the plane.
+TEST(SweepEstimator, TheSpatialModelIsNotFiltered) {
+  const EgoVelocityResult output =
+      outputOf(MotionModel::kSpatial, test::carMounts(), {8.0, 0.2, 0.0}, {0.0, 0.0, 0.3});
+  EXPECT_NEAR(output.angular.z(), 0.3, 0.02);
+  EXPECT_FALSE(output.residuals.empty());
+}
+
 // The filter weighs each radar by the configured noise, not by its default.
 TEST(SweepEstimator, ALargerDopplerStdWidensTheFilteredCovariance) {
   const auto filtered = [](double doppler_std) {

@@ -16,7 +16,7 @@ namespace radar_dot {
 struct SweepEstimatorParams {
   double bearing_delay = 0.0;  ///< s, by which positions of returns are later than their velocities
   EgoVelocityParams estimator;
-  bool filter = true;
+  bool filter = true;          ///< of a vehicle in the plane: not with the spatial model
   bool filter_radars = true;  ///< it takes the velocity of each radar alone; else the joint estimates
   VelocityFilterParams filter_params;
 };
@@ -32,7 +32,7 @@ struct SweepEstimate {
   /// Over the sweeps: none without the filter, without a valid estimate, or where that is not later than the
   /// one before.
   std::optional<Filtered> filtered;
-  bool filters = true;  ///< the filter is on
+  bool filters = true;  ///< the filter is on, and the model one of a motion in the plane
 
   /// What ego/twist says of the sweep: filtered, or of the sweep alone where the filter is off; none as for
   /// `filtered`, or without a valid estimate.
@@ -51,8 +51,12 @@ class SweepEstimator {
   /// mounts. @throws InvalidParameter, without any change
   void configure(const SweepEstimatorParams& params);
 
-  /// Turns the bearings of the scans, and estimates. @param time  s, of the newest scan
-  SweepEstimate estimate(std::vector<RadarScan>& scans, double time);
+  /// Turns the bearings of the scans, and estimates.
+  /// @param time   s, of the newest scan
+  /// @param known  the angular velocity then, where another source tells it: then a single radar away from
+  ///               the origin tells the velocity of the origin
+  SweepEstimate estimate(std::vector<RadarScan>& scans, double time,
+                         const std::optional<AngularVelocity>& known = std::nullopt);
 
   /// What the sweeps so far say of other scans: sets their bearing_rotation by the latest yaw rate.
   void turnBearings(std::vector<RadarScan>& scans) const;
