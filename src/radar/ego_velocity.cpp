@@ -53,7 +53,11 @@ struct EgoVelocityEstimator::Workspace {
         Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), Eigen::Vector2f::Zero(), 0.F, 0.F, false, false};
   }
   /// The row's element in the column of an axis of vx vy vz wx wy wz: of [u, t x u].
-  static float coefficient(const Row& row, int axis);
+  static float coefficient(const Row& row, int axis) {
+    if (axis < 3) return row.bearing[axis];
+    const int j = (axis + 1) % 3, k = (axis + 2) % 3;
+    return row.bearing[k] * row.mount[j] - row.bearing[j] * row.mount[k];
+  }
   void stack(const std::vector<RadarScan>& scans, double reference_time, const Eigen::Vector3d& acceleration);
   void setVariance(const Parameters& solution);
   bool solvePass(const ConstraintSystem& system, bool consensus, Parameters& solution);
@@ -89,12 +93,6 @@ void EgoVelocityEstimator::Workspace::gather(const ConstraintSystem& from,
   }
 }
 
-float EgoVelocityEstimator::Workspace::coefficient(const Row& row, int axis) {
-  if (axis < 3) return row.bearing[axis];
-  const int j = (axis + 1) % 3, k = (axis + 2) % 3;
-  return row.bearing[k] * row.mount[j] - row.bearing[j] * row.mount[k];
-}
-
 void EgoVelocityEstimator::Workspace::stack(const std::vector<RadarScan>& scans, double reference_time,
                                             const Eigen::Vector3d& acceleration) {
   rows.clear();
@@ -128,10 +126,11 @@ void EgoVelocityEstimator::Workspace::stack(const std::vector<RadarScan>& scans,
   result.offsets.push_back(rows.size());
 
   all.resize(model.count, rows.size());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(model.count); ++k) {
+    for (std::size_t i = 0; i < rows.size(); ++i) all.columns[k][i] = coefficient(rows[i], model.axes[k]);
+  }
   indices.clear();
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    for (std::size_t k = 0; k < static_cast<std::size_t>(model.count); ++k)
-      all.columns[k][i] = coefficient(rows[i], model.axes[k]);
     all.right_hand_side[i] = rows[i].right_hand_side;
     all.variance[i] = static_cast<float>(params.noise.doppler_std * params.noise.doppler_std);
     if (!rows[i].usable || rows[i].known_dynamic) continue;
@@ -150,9 +149,14 @@ void EgoVelocityEstimator::Workspace::setVariance(const Parameters& solution) {
   }
   const auto doppler_variance = static_cast<float>(params.noise.doppler_std * params.noise.doppler_std);
   const auto azimuth_variance = static_cast<float>(params.noise.azimuth_std * params.noise.azimuth_std);
+  Eigen::Vector3f sensor_velocity = linear;
+  std::size_t scan = 0;  // the next one
   for (std::size_t j = 0; j < indices.size(); ++j) {
     const Row& row = rows[indices[j]];
-    const Eigen::Vector3f sensor_velocity = linear + angular.cross(row.mount);
+    if (indices[j] >= result.offsets[scan]) {
+      while (indices[j] >= result.offsets[scan]) ++scan;
+      sensor_velocity = linear + angular.cross(row.mount);
+    }
     const float along = row.bearing.dot(sensor_velocity);
     const float across_squared = std::max(0.F, sensor_velocity.squaredNorm() - along * along);
     active.variance[j] = doppler_variance + azimuth_variance * across_squared;
