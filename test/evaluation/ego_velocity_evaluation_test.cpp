@@ -230,7 +230,9 @@ TEST_F(Evaluation, JsonHasTheDocumentedKeys) {
 class RealData : public ::testing::Test {
  protected:
   /// The merged report of every scene, as the tool evaluates them.
-  void evaluateScenes(bool filter, const std::function<void(const VelocityReport&)>& check) {
+  void evaluateScenes(bool filter, const std::function<void(const VelocityReport&)>& check,
+                      MotionModel model = MotionModel::kPlanarYaw,
+                      const std::vector<std::string>& channels = {}) {
     const std::filesystem::path dataroot =
         std::filesystem::path(RADAR_DOT_SHARED_DATA) / "nuscenes_mini_real";
     if (!std::filesystem::exists(dataroot)) GTEST_SKIP() << "no real data under " << dataroot;
@@ -240,6 +242,8 @@ class RealData : public ::testing::Test {
     tools::readConfigFile(NUSCENES_CONFIG, sectionsOf(nuscenes));
     options.ego_velocity = nuscenes.ego_velocity;
     options.ego_velocity.filter = filter;
+    options.ego_velocity.estimator.model = model;
+    options.radar_channels = channels;
     for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
       const VelocityReport report = evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene), options);
       check(report);
@@ -281,6 +285,19 @@ TEST_F(RealData, TheFilterMeetsItsFigures) {
   EXPECT_LE(overall_.filtered.yaw_rate.value(), 0.0087);
   EXPECT_LE(overall_.gt_heading.driftPercent(), 0.45);
   EXPECT_LE(overall_.own_heading.driftPercent(), 3.5);
+}
+
+TEST_F(RealData, TheFilterHonoursTheAckermannModel) {
+  for (const std::vector<std::string>& channels : {std::vector<std::string>{"RADAR_FRONT"}, {}}) {
+    overall_ = VelocityReport();
+    evaluateScenes(
+        true, [](const VelocityReport&) {}, MotionModel::kAckermann, channels);
+    if (IsSkipped()) return;
+    EXPECT_LE(overall_.filtered.yaw_rate.value(), overall_.causal.yaw_rate.value()) << channels.size();
+    EXPECT_LE(overall_.filtered.normalised_yaw_rate.value(), 1.0) << channels.size();
+    EXPECT_LE(overall_.filtered.normalised_vy.value(), 1.0) << "within sideslip_std";
+    EXPECT_LE(overall_.causal.normalised_yaw_rate.value(), 1.0) << channels.size();
+  }
 }
 
 }  // namespace
