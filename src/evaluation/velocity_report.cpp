@@ -152,12 +152,16 @@ std::string formatTable(const std::vector<VelocityReport>& scenes, const Velocit
   std::vector<Column> mounts;
   for (const auto& [channel, error] : overall.mounts)
     mounts.push_back(column(channel, "mount_yaw_error/" + channel, 1, 1e3));
-  const std::string causal =
-      table(
-          "Latest sweep at or before the middle of each pair, mean absolute error (m/s, rad/s): single, and "
-          "filtered over the sweeps up to it; sweeps the filter rejected, and its starts",
-          causalColumns()) +
-      "\n" + table("The same, squared error over its stated variance (1: consistent)", consistencyColumns()) +
+  std::string causal;
+  if (overall.filtered.vx.count > 0) {
+    causal = table(
+                 "Latest sweep at or before the middle of each pair, mean absolute error (m/s, rad/s): "
+                 "single, and filtered over the sweeps up to it; sweeps the filter rejected, and its starts",
+                 causalColumns()) +
+             "\n";
+  }
+  causal +=
+      table("Latest sweep, squared error over the stated variance (1: consistent)", consistencyColumns()) +
       "\n";
   return table(
              "Ego velocity, mean |v - v_gt| (m/s), planar model: B1 least squares on all returns, A1 on the "
