@@ -314,7 +314,7 @@ VelocityFilter::Outcome VelocityFilter::update(double time, const Eigen::Vector3
     turn.jacobian = Eigen::MatrixXd::Zero(1, state_.size());
     turn.jacobian(0, 2) = 1.0;
     turn.noise = covariance.bottomRightCorner<1, 1>();
-    ++(correct(turn) ? used : refused);
+    correct(turn);  // which tells nothing of whether the radars are believed
   }
   return conclude(time, velocity, covariance, used, refused);
 }

@@ -277,6 +277,24 @@ TEST(VelocityFilter, AGivenYawRateTellsTheSideslip) {
   EXPECT_LT(state.covariance(2, 2), 0.005 * 0.005);
 }
 
+// A yaw rate that fits does not keep a filter alive that its radar contradicts.
+TEST(VelocityFilter, AGivenYawRateDoesNotHideATrueJump) {
+  const VelocityFilterParams params = plain();
+  VelocityFilter filter(params);
+  Noise noise(9);
+  const VelocityFilter::Sources sources = {AxisSource::kEstimated, AxisSource::kEstimated,
+                                           AxisSource::kGiven};
+  const auto update = [&](int i, double speed) {
+    const Vector3d truth(speed, 0.0, 0.1);
+    const double time = i * kPeriod;
+    return filter.update(time, truth, noiseOf(0.05, 0.01),
+                         {sensorsOf(truth, time, std::vector<double>(5, 0.0), noise, 0.03)[0]}, sources);
+  };
+  for (int i = 0; i < 50; ++i) EXPECT_NE(update(i, 8.0), Outcome::kRejected);
+  for (int i = 0; i < params.max_rejected; ++i)
+    EXPECT_EQ(update(50 + i, 3.0), i + 1 < params.max_rejected ? Outcome::kRejected : Outcome::kStarted);
+}
+
 TEST(VelocityFilter, OtherAssumptionsStartItAnew) {
   VelocityFilter filter(plain());
   VelocityFilter::Sources sources = VelocityFilter::kEstimatedAxes;
