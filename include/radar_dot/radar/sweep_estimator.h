@@ -16,7 +16,7 @@ namespace radar_dot {
 struct SweepEstimatorParams {
   double bearing_delay = 0.0;  ///< s, by which positions of returns are later than their velocities
   EgoVelocityParams estimator;
-  bool filter = true;          ///< of a vehicle in the plane: not with the spatial model
+  bool filter = true;         ///< of a vehicle in the plane: not with the spatial model
   bool filter_radars = true;  ///< it takes the velocity of each radar alone; else the joint estimates
   VelocityFilterParams filter_params;
 };
