@@ -131,6 +131,8 @@ void OdometryNodelet::processQueue() {
       if (!pose) {
         ++without_rotation_;
         warn({}, "no rotation at the stamp of a twist from " + rotation_source_->describe());
+      } else {
+        rotation_source_->addVelocity(onWheels(twistOf(*twist)));
       }
     }
     pending_.pop_front();

@@ -11,7 +11,9 @@
 #include <string>
 
 #include "nodelets/inputs/extrinsics.h"
+#include "radar_dot/common/angular_velocity.h"
 #include "radar_dot/common/pose_buffer.h"
+#include "radar_dot/common/stamped_twist.h"
 #include "radar_dot/config/sections.h"
 
 namespace radar_dot {
@@ -34,6 +36,11 @@ class RotationSource {
 
   /// Pose of the base frame in the source's own frame; none: not known, or not yet.
   virtual std::optional<StampedPose> at(const ros::Time& stamp) = 0;
+  /// Angular velocity of the base frame at `stamp`, or shortly before where nothing later has come; none: not
+  /// known. By default from the difference of two rotations.
+  virtual std::optional<AngularVelocity> rateAt(const ros::Time& stamp);
+  /// Velocity of the vehicle, at a time where at() knows the pose: tells acceleration from gravity.
+  virtual void addVelocity(const StampedTwist& twist) { static_cast<void>(twist); }
   /// Time of the latest sample, s; none: nothing received.
   virtual std::optional<double> latest() const = 0;
   virtual void reset() = 0;
