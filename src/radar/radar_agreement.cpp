@@ -22,6 +22,7 @@ constexpr double kInterval = 0.29;    // s between sweeps that are looked at
 constexpr double kMemory = 5.0;       // s of driving
 constexpr double kLongestStep = 0.6;  // s of driving that one sweep stands for
 
+constexpr double kMaxYawRate = 2.0;  // rad/s, no vehicle turns faster
 constexpr double kMinSpeed = 2.0;    // m/s, below which a yaw hardly shows
 constexpr double kMinReturns = 5.0;  // of a scan
 
@@ -38,8 +39,11 @@ constexpr double kGross = 20.0 * kDegree;           // larger yaws are none that
 
 constexpr double kTurned = 2.0 * kDegree, kTurnedStill = 1.5 * kDegree;
 constexpr double kSigmas = 4.0;
-constexpr double kClearly = 1.2;    // ratio of the gains of the mount that is named and of the next one
-constexpr double kNameAfter = 2.5;  // s of driving
+constexpr double kMountStd = 0.5 * kDegree;  // of a mount without a fault
+constexpr double kClearly = 1.2;  // ratio of the gains of the mount that is named and of the next one
+constexpr double kSurely = 9.0;   // and their difference, chi-square
+// s of driving. That two contradict each other may be the first that is seen of one that is turned.
+constexpr double kNameAfter = 2.5, kNameBothAfter = 6.0;
 
 // What is known of velocity and yaw rate apart from the returns.
 constexpr double kPriorStd[] = {10.0, 10.0, 3.0};  // m/s, m/s, rad/s
@@ -96,13 +100,24 @@ void RadarAgreement::add(double time, const std::vector<RadarScan>& scans, const
   if (time - looked_ < kInterval) return;
   const double dt = std::min(time - looked_, kLongestStep);
   looked_ = time;
-  if (result.valid()) return look(dt, scans, result, params);
+  const bool two_halves = scans.size() == 2 && static_cast<double>(result.inlier_count) <
+                                                   kFits * static_cast<double>(result.return_count);
+  if (result.valid() && !two_halves && std::abs(result.angular.z()) < kMaxYawRate)
+    return look(dt, scans, result, params);
 
-  // Radars that contradict each other may leave too few for the model.
+  // Radars that contradict each other may leave too few for the model, or agree on a spin. Of two, the
+  // estimate may follow now this one, now that.
   EgoVelocityParams planar = params;
   planar.model = MotionModel::kPlanar;
-  const EgoVelocityResult without_rate = EgoVelocityEstimator(planar).estimate(scans, time);
-  if (without_rate.valid()) look(dt, scans, without_rate, planar);
+  std::vector<RadarScan> unturned = scans;
+  for (RadarScan& scan : unturned) scan.bearing_rotation = 0.0;
+  std::vector<RadarScan> reference = unturned;
+  if (two_halves) {
+    RadarScan& left_out = reference[reference[0].radar < reference[1].radar ? 1 : 0];
+    left_out.known_dynamic.assign(left_out.returns.size(), 1);
+  }
+  const EgoVelocityResult without_rate = EgoVelocityEstimator(planar).estimate(reference, time);
+  if (without_rate.valid()) look(dt, unturned, without_rate, planar);
 }
 
 void RadarAgreement::look(double dt, const std::vector<RadarScan>& scans, const EgoVelocityResult& result,
@@ -286,21 +301,21 @@ RadarAgreement::Yaw RadarAgreement::yawOf(std::size_t radar, const std::vector<s
   const double alone = h / s;
   yaw.widening = std::max(1.0, (track.hh - 2.0 * alone * track.hs + alone * alone * track.ss) / s);
 
-  const auto others = static_cast<Eigen::Index>(turned.size());
-  if (others > 0) {
-    Eigen::MatrixXd among(others, others);
-    Eigen::VectorXd with(others), right(others);
-    for (Eigen::Index j = 0; j < others; ++j) {
-      const auto row = static_cast<Eigen::Index>(turned[static_cast<std::size_t>(j)]);
-      for (Eigen::Index k = 0; k < others; ++k)
-        among(j, k) = information_(row, static_cast<Eigen::Index>(turned[static_cast<std::size_t>(k)]));
-      with[j] = information_(i, row);
-      right[j] = vector_[row];
-    }
-    const Eigen::VectorXd solved = among.ldlt().solve(with);
-    s -= solved.dot(with);
-    h -= solved.dot(right);
+  // The others may be off as well: those that are turned by whatever it takes, the rest by a little.
+  Eigen::MatrixXd others = information_;
+  Eigen::VectorXd with = information_.col(i), right = vector_;
+  for (Eigen::Index j = 0; j < others.rows(); ++j) {
+    const bool is_turned =
+        std::find(turned.begin(), turned.end(), static_cast<std::size_t>(j)) != turned.end();
+    others(j, j) += is_turned ? 1e-6 : yaw.widening / (kMountStd * kMountStd);
   }
+  others.row(i).setZero();
+  others.col(i).setZero();
+  others(i, i) = 1.0;
+  with[i] = right[i] = 0.0;
+  const Eigen::VectorXd solved = others.ldlt().solve(with);
+  s -= solved.dot(with);
+  h -= solved.dot(right);
   if (!(s > 1e-6 * total)) return yaw;
   yaw.value = h / s;
   yaw.std = std::sqrt(yaw.widening / s);
@@ -320,8 +335,9 @@ void RadarAgreement::judge(double dt) {
     figures.yaw_std = 2.0 * kPi / kCells;
     verdicts[i] = std::abs(figures.yaw_correction) > kPi - kGross ? Verdict::kReversed : Verdict::kTurned;
     if (gross.size() < others.size() || others.empty()) continue;
-    verdicts[i] = Verdict::kDisagrees;
+    verdicts[i] = verdicts[others.front()] = Verdict::kDisagrees;
     tracks_[i].other = others.front();
+    tracks_[others.front()].other = i;
   }
   judgeYaws(others, verdicts);
   for (std::size_t i = 0; i < tracks_.size(); ++i) conclude(i, verdicts[i], dt);
@@ -350,8 +366,7 @@ void RadarAgreement::judgeYaws(const std::vector<std::size_t>& radars, std::vect
     if (!second) break;
     const double least = tracks_[*best].figures.verdict == Verdict::kGood ? kTurned : kTurnedStill;
     if (!(std::abs(yaw.value) > std::max(least, kSigmas * yaw.std))) break;
-    const bool clear = yaw.gain > kClearly * next.gain &&
-                       yaw.gain - next.gain > kSigmas * kSigmas * yaw.widening &&
+    const bool clear = yaw.gain > kClearly * next.gain && yaw.gain - next.gain > kSurely * yaw.widening &&
                        2 * (turned.size() + 1) < radars.size();
     verdicts[*best] = clear ? Verdict::kTurned : Verdict::kDisagrees;
     if (!clear) {
@@ -379,7 +394,7 @@ void RadarAgreement::conclude(std::size_t radar, Verdict verdict, double dt) {
   Track& track = tracks_[radar];
   track.pending_for = verdict == track.pending ? track.pending_for + dt : 0.0;
   track.pending = verdict;
-  if (track.pending_for < kNameAfter) return;
+  if (track.pending_for < (verdict == Verdict::kDisagrees ? kNameBothAfter : kNameAfter)) return;
   track.figures.verdict = verdict;
   track.figures.warning = textOf(radar);
 }
@@ -387,28 +402,30 @@ void RadarAgreement::conclude(std::size_t radar, Verdict verdict, double dt) {
 std::string RadarAgreement::textOf(std::size_t radar) const {
   const Figures& figures = tracks_[radar].figures;
   const Radar& configured = radars_[radar];
-  const std::string turned =
-      fmt::format("{:+.1f} +- {:.1f} degrees", -figures.yaw_correction / kDegree, figures.yaw_std / kDegree);
   switch (figures.verdict) {
     case Verdict::kGood: break;
     case Verdict::kTurned:
       return fmt::format(
-          "{}: its mount is turned by {} against the motion that the other radars see: correct its yaw in "
+          "{}: its mount is turned by {:+.1f} +- {:.1f} degrees against the motion that the other radars "
+          "see: correct its yaw in "
           "TF, or "
           "set mount_yaw_correction: {:.3f}",
-          configured.name, turned,
+          configured.name, -figures.yaw_correction / kDegree, figures.yaw_std / kDegree,
           std::remainder(configured.mount_yaw_correction + figures.yaw_correction, 2.0 * kPi));
     case Verdict::kReversed:
       return fmt::format(
           "{}: its range rates fit the motion that the other radars see with the opposite sign: set "
           "doppler_scale: {:g} (or its mount in TF is turned by half a turn)",
           configured.name, -configured.doppler_scale);
-    case Verdict::kDisagrees:
+    case Verdict::kDisagrees: {
+      const Track& other = tracks_[tracks_[radar].other];
       return fmt::format(
-          "{0} and {1} contradict each other, and nothing tells which is wrong: {0} would fit with its mount "
-          "turned by {2} in TF, or the other one has such a fault; half a turn is a doppler_scale of the "
-          "opposite sign",
-          configured.name, radars_[tracks_[radar].other].name, turned);
+          "{} and {} contradict each other by {:.1f} degrees, and nothing tells which of them is wrong: "
+          "check "
+          "the yaw of both mounts and the sign of both doppler_scale",
+          configured.name, radars_[tracks_[radar].other].name,
+          std::max(std::abs(figures.yaw_correction), std::abs(other.figures.yaw_correction)) / kDegree);
+    }
   }
   return {};
 }

@@ -8,9 +8,12 @@
 
 namespace radar_dot {
 
-/// The refined motion of a pair, as velocities of the base frame in its own axes (m/s, rad/s) with their
-/// covariance, in a message with this header: the base frame, at the later image.
-geometry_msgs::TwistWithCovarianceStamped refinedTwist(const MaskPair& pair, const MotionInput& refined,
+/// The refined motion of a pair, as velocities of the base frame in its own axes with their covariance, at
+/// the later image.
+StampedTwist refinedVelocity(const MaskPair& pair, const MotionInput& refined);
+
+/// The same in a message with this header: the base frame, at the later image.
+geometry_msgs::TwistWithCovarianceStamped refinedTwist(const StampedTwist& velocity,
                                                        const std_msgs::Header& header);
 
 }  // namespace radar_dot
