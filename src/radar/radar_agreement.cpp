@@ -18,8 +18,8 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kDegree = kPi / 180.0;
 
-constexpr double kInterval = 0.29;    // s between sweeps that are looked at
-constexpr double kMemory = 5.0;       // s of driving
+constexpr double kInterval = 0.22;    // s between sweeps that are looked at
+constexpr double kMemory = 6.0;       // s of driving
 constexpr double kLongestStep = 0.6;  // s of driving that one sweep stands for
 
 constexpr double kMaxYawRate = 2.0;  // rad/s, no vehicle turns faster
@@ -39,11 +39,12 @@ constexpr double kGross = 20.0 * kDegree;           // larger yaws are none that
 
 constexpr double kTurned = 2.0 * kDegree, kTurnedStill = 1.5 * kDegree;
 constexpr double kSigmas = 4.0;
+constexpr double kLeastWidening = 0.5;       // variance over that of the noise model
 constexpr double kMountStd = 0.5 * kDegree;  // of a mount without a fault
 constexpr double kClearly = 1.2;  // ratio of the gains of the mount that is named and of the next one
 constexpr double kSurely = 9.0;   // and their difference, chi-square
 // s of driving. That two contradict each other may be the first that is seen of one that is turned.
-constexpr double kNameAfter = 2.5, kNameBothAfter = 6.0;
+constexpr double kNameAfter = 4.0, kNameBothAfter = 7.0;
 
 // What is known of velocity and yaw rate apart from the returns.
 constexpr double kPriorStd[] = {10.0, 10.0, 3.0};  // m/s, m/s, rad/s
@@ -299,7 +300,7 @@ RadarAgreement::Yaw RadarAgreement::yawOf(std::size_t radar, const std::vector<s
   // The sums over sweeps show how large the noise really is.
   const Track& track = tracks_[radar];
   const double alone = h / s;
-  yaw.widening = std::max(1.0, (track.hh - 2.0 * alone * track.hs + alone * alone * track.ss) / s);
+  yaw.widening = std::max(kLeastWidening, (track.hh - 2.0 * alone * track.hs + alone * alone * track.ss) / s);
 
   // The others may be off as well: those that are turned by whatever it takes, the rest by a little.
   Eigen::MatrixXd others = information_;
@@ -307,7 +308,7 @@ RadarAgreement::Yaw RadarAgreement::yawOf(std::size_t radar, const std::vector<s
   for (Eigen::Index j = 0; j < others.rows(); ++j) {
     const bool is_turned =
         std::find(turned.begin(), turned.end(), static_cast<std::size_t>(j)) != turned.end();
-    others(j, j) += is_turned ? 1e-6 : yaw.widening / (kMountStd * kMountStd);
+    others(j, j) += is_turned ? 1e-6 : std::max(1.0, yaw.widening) / (kMountStd * kMountStd);
   }
   others.row(i).setZero();
   others.col(i).setZero();
