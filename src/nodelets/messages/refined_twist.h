@@ -4,6 +4,7 @@
 
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 
+#include "radar_dot/common/stamped_twist.h"
 #include "radar_dot/vision/mask_pipeline.h"
 
 namespace radar_dot {
