@@ -8,6 +8,7 @@
 #include "radar/synthetic_sweep.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
+#include "radar_dot/radar/radar_agreement.h"
 
 namespace {
 
@@ -46,6 +47,18 @@ BENCHMARK_CAPTURE(sweep, planar_yaw_ransac_robust, MotionModel::kPlanarYaw, Solv
 BENCHMARK_CAPTURE(sweep, ackermann_ransac_robust, MotionModel::kAckermann, Solver::kRansacRobust);
 BENCHMARK_CAPTURE(sweep, planar_yaw_ransac, MotionModel::kPlanarYaw, Solver::kRansac);
 BENCHMARK_CAPTURE(sweep, planar_least_squares, MotionModel::kPlanar, Solver::kLeastSquares);
+
+// Beside the estimate, at 13 sweeps a second of which some are looked at.
+void agreement(benchmark::State& state) {
+  const test::Sweep data = makeNuscenesLikeSweep();
+  const std::vector<RadarScan> scans = data.scans();
+  EgoVelocityEstimator estimator;
+  const EgoVelocityResult result = estimator.estimate(scans, 0.0);
+  RadarAgreement agreement({{"front"}, {"left"}, {"right"}, {"rear_left"}, {"rear_right"}});
+  double time = 0.0;
+  for (auto _ : state) agreement.add(time += 0.075, scans, result, estimator.params());
+}
+BENCHMARK(agreement);
 
 // A scan of 88 records with 18 fields, as in a nuScenes file.
 void extract(benchmark::State& state) {

@@ -18,7 +18,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kDegree = kPi / 180.0;
 
-constexpr double kInterval = 0.22;    // s between sweeps that are looked at
+constexpr double kInterval = 0.29;    // s between sweeps that are looked at
 constexpr double kMemory = 6.0;       // s of driving
 constexpr double kLongestStep = 0.6;  // s of driving that one sweep stands for
 
@@ -348,12 +348,19 @@ void RadarAgreement::judge(double dt) {
 void RadarAgreement::judgeYaws(const std::vector<std::size_t>& radars, std::vector<Verdict>& verdicts) {
   std::vector<std::size_t> turned;
   const auto isTurned = [&](std::size_t i) { return verdicts[i] == Verdict::kTurned; };
+  const auto note = [&](std::size_t i, const Yaw& yaw) {
+    tracks_[i].figures.yaw_correction = yaw.value;
+    tracks_[i].figures.yaw_std = yaw.std;
+    const double angle = isTurned(i) ? yaw.value : 0.0;
+    tracks_[i].cell = static_cast<int>(std::lround(angle / (2.0 * kPi) * kCells) + kCells) % kCells;
+  };
   for (;;) {
     std::optional<std::size_t> best, second;
     Yaw yaw, next;
     for (const std::size_t i : radars) {
       if (isTurned(i)) continue;
       const Yaw candidate = yawOf(i, turned);
+      note(i, candidate);
       if (!best || candidate.gain > yaw.gain) {
         second = best;
         next = yaw;
@@ -378,15 +385,10 @@ void RadarAgreement::judgeYaws(const std::vector<std::size_t>& radars, std::vect
     }
     turned.push_back(*best);
   }
-  for (const std::size_t i : radars) {
-    std::vector<std::size_t> others;
-    std::copy_if(turned.begin(), turned.end(), std::back_inserter(others),
-                 [i](std::size_t each) { return each != i; });
-    const Yaw yaw = yawOf(i, others);
-    tracks_[i].figures.yaw_correction = yaw.value;
-    tracks_[i].figures.yaw_std = yaw.std;
-    const double angle = isTurned(i) ? yaw.value : 0.0;
-    tracks_[i].cell = static_cast<int>(std::lround(angle / (2.0 * kPi) * kCells) + kCells) % kCells;
+  for (const std::size_t i : turned) {
+    std::vector<std::size_t> others = turned;
+    others.erase(std::find(others.begin(), others.end(), i));
+    note(i, yawOf(i, others));
   }
 }
 

@@ -27,7 +27,7 @@ namespace radar_dot {
 /// Where the returns of a radar do not fit, its yaw is searched over the full circle; half a turn is a range
 /// rate of the opposite sign.
 ///
-/// One sweep in 0.3 s is looked at, and of it at most 64 returns per radar.
+/// One sweep in 0.3 s is looked at, and of it at most 48 returns per radar.
 class RadarAgreement {
  public:
   /// How a radar is configured, for the texts.
@@ -71,7 +71,7 @@ class RadarAgreement {
   const std::string& warning() const noexcept { return warning_; }
 
  private:
-  static constexpr int kReturns = 64;  // of a scan
+  static constexpr int kReturns = 48;  // of a scan
   static constexpr int kCells = 120;   // of the full circle
   using Column = Eigen::Array<float, kReturns, 1>;
 
