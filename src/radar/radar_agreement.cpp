@@ -23,6 +23,7 @@ constexpr double kMemory = 6.0;       // s of driving
 constexpr double kLongestStep = 0.6;  // s of driving that one sweep stands for
 
 constexpr double kMaxYawRate = 2.0;  // rad/s, no vehicle turns faster
+constexpr double kStraight = 0.1;    // rad/s
 constexpr double kMinSpeed = 2.0;    // m/s, below which a yaw hardly shows
 constexpr double kMinReturns = 5.0;  // of a scan
 
@@ -42,9 +43,9 @@ constexpr double kSigmas = 4.0;
 constexpr double kLeastWidening = 0.5;       // variance over that of the noise model
 constexpr double kMountStd = 0.5 * kDegree;  // of a mount without a fault
 constexpr double kClearly = 1.2;  // ratio of the gains of the mount that is named and of the next one
-constexpr double kSurely = 9.0;   // and their difference, chi-square
+constexpr double kSurely = 6.0;   // and their difference, chi-square
 // s of driving. That two contradict each other may be the first that is seen of one that is turned.
-constexpr double kNameAfter = 4.0, kNameBothAfter = 7.0;
+constexpr double kNameAfter = 3.0, kNameBothAfter = 7.0;
 
 // What is known of velocity and yaw rate apart from the returns.
 constexpr double kPriorStd[] = {10.0, 10.0, 3.0};  // m/s, m/s, rad/s
@@ -138,7 +139,13 @@ void RadarAgreement::look(double dt, const std::vector<RadarScan>& scans, const 
     if (!isGross(track)) addTo(equations, scan, params, speed);
   }
   if (!drives) return;
-  learnYaws(equations, params, decay);
+  for (Eigen::Index i = 0; i < 3; ++i) equations.xx(i, i) += 1.0 / (kPriorStd[i] * kPriorStd[i]);
+  if (params.model == MotionModel::kAckermann)
+    equations.xx(1, 1) += 1.0 / (params.sideslip_std * params.sideslip_std);
+  // Where the model has no yaw rate, nobody turns late bearings to where they belong (bearing_rotation).
+  const double change = equations.xx.ldlt().solve(equations.x)[2];
+  if (result.angular.z() == 0.0 && std::abs(change) > kStraight) return;
+  learnYaws(equations, decay);
   judge(dt);
 }
 
@@ -203,8 +210,8 @@ void RadarAgreement::search(Track& track, double speed, double decay) {
   const Eigen::Index n = rows_.count;
   const auto width = static_cast<float>(kKernelWidth + kKernelWidthPerSpeed * speed);
   const auto fits = ((rows_.doppler + rows_.along).head(n).abs() < width).count();
-  if (static_cast<double>(fits) > kFits * static_cast<double>(n)) {
-    if (isGross(track)) track.cell = 0;
+  // Returns across the direction of travel fit either way: what was found to be gross is searched on.
+  if (!isGross(track) && static_cast<double>(fits) > kFits * static_cast<double>(n)) {
     track.searched = 0.0;
     track.consensus.setZero();
     return;
@@ -268,10 +275,7 @@ void RadarAgreement::addTo(Equations& equations, const RadarScan& scan, const Eg
   equations.yaw[radar] = angle;
 }
 
-void RadarAgreement::learnYaws(Equations& equations, const EgoVelocityParams& params, double decay) {
-  for (Eigen::Index i = 0; i < 3; ++i) equations.xx(i, i) += 1.0 / (kPriorStd[i] * kPriorStd[i]);
-  if (params.model == MotionModel::kAckermann)
-    equations.xx(1, 1) += 1.0 / (params.sideslip_std * params.sideslip_std);
+void RadarAgreement::learnYaws(const Equations& equations, double decay) {
   const Eigen::Matrix3Xd eliminated = equations.xx.ldlt().solve(equations.xp);
   Eigen::MatrixXd information = -equations.xp.transpose() * eliminated;
   information.diagonal() += equations.pp;
@@ -373,7 +377,7 @@ void RadarAgreement::judgeYaws(const std::vector<std::size_t>& radars, std::vect
     }
     if (!second) break;
     const double least = tracks_[*best].figures.verdict == Verdict::kGood ? kTurned : kTurnedStill;
-    if (!(std::abs(yaw.value) > std::max(least, kSigmas * yaw.std))) break;
+    if (!(std::abs(yaw.value) > std::max(least + yaw.std, kSigmas * yaw.std))) break;
     const bool clear = yaw.gain > kClearly * next.gain && yaw.gain - next.gain > kSurely * yaw.widening &&
                        2 * (turned.size() + 1) < radars.size();
     verdicts[*best] = clear ? Verdict::kTurned : Verdict::kDisagrees;

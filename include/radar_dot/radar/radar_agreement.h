@@ -111,7 +111,7 @@ class RadarAgreement {
   static bool isGross(const Track& track);
   void addTo(Equations& equations, const RadarScan& scan, const EgoVelocityParams& params,
              double speed) const;
-  void learnYaws(Equations& equations, const EgoVelocityParams& params, double decay);
+  void learnYaws(const Equations& equations, double decay);
   Yaw yawOf(std::size_t radar, const std::vector<std::size_t>& turned) const;
   void judge(double dt);
   void judgeYaws(const std::vector<std::size_t>& radars, std::vector<Verdict>& verdicts);
