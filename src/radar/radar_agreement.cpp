@@ -377,7 +377,7 @@ void RadarAgreement::judgeYaws(const std::vector<std::size_t>& radars, std::vect
     }
     if (!second) break;
     const double least = tracks_[*best].figures.verdict == Verdict::kGood ? kTurned : kTurnedStill;
-    if (!(std::abs(yaw.value) > std::max(least + yaw.std, kSigmas * yaw.std))) break;
+    if (!(std::abs(yaw.value) > std::max(least + 0.5 * yaw.std, kSigmas * yaw.std))) break;
     const bool clear = yaw.gain > kClearly * next.gain && yaw.gain - next.gain > kSurely * yaw.widening &&
                        2 * (turned.size() + 1) < radars.size();
     verdicts[*best] = clear ? Verdict::kTurned : Verdict::kDisagrees;
