@@ -96,6 +96,7 @@ void RadarAgreement::reset() {
 
 void RadarAgreement::add(double time, const std::vector<RadarScan>& scans, const EgoVelocityResult& result,
                          const EgoVelocityParams& params) {
+  if (!std::isfinite(time)) return;
   if (time < time_) reset();
   watchDirection(time, result);
   time_ = time;
@@ -160,10 +161,9 @@ void RadarAgreement::watchDirection(double time, const EgoVelocityResult& result
   }
   if (forward < -kBackwardsSpeed && backwards_for_ > kBackwardsTime) {
     warning_ = fmt::format(
-        "drives backwards at {:.0f} m/s for {:.0f} s: if that is not so, the range rates of all radars have "
-        "the "
-        "opposite sign: doppler_scale: -1",
-        -forward, backwards_for_);
+        "drives backwards at {:.0f} m/s for {:.0f} s: if that is not so, all range rates have the opposite "
+        "sign: set doppler_scale: {:g}",
+        -forward, backwards_for_, radars_.empty() ? -1.0 : -radars_.front().doppler_scale);
   }
 }
 
@@ -377,6 +377,7 @@ void RadarAgreement::judgeYaws(const std::vector<std::size_t>& radars, std::vect
     }
     if (!second) break;
     const double least = tracks_[*best].figures.verdict == Verdict::kGood ? kTurned : kTurnedStill;
+    // By half a sigma more than the limit, so that what lies just below it is not named now and then.
     if (!(std::abs(yaw.value) > std::max(least + 0.5 * yaw.std, kSigmas * yaw.std))) break;
     const bool clear = yaw.gain > kClearly * next.gain && yaw.gain - next.gain > kSurely * yaw.widening &&
                        2 * (turned.size() + 1) < radars.size();
@@ -414,9 +415,7 @@ std::string RadarAgreement::textOf(std::size_t radar) const {
     case Verdict::kTurned:
       return fmt::format(
           "{}: its mount is turned by {:+.1f} +- {:.1f} degrees against the motion that the other radars "
-          "see: correct its yaw in "
-          "TF, or "
-          "set mount_yaw_correction: {:.3f}",
+          "see: correct its yaw in TF, or set mount_yaw_correction: {:.3f}",
           configured.name, -figures.yaw_correction / kDegree, figures.yaw_std / kDegree,
           std::remainder(configured.mount_yaw_correction + figures.yaw_correction, 2.0 * kPi));
     case Verdict::kReversed:
@@ -428,8 +427,7 @@ std::string RadarAgreement::textOf(std::size_t radar) const {
       const Track& other = tracks_[tracks_[radar].other];
       return fmt::format(
           "{} and {} contradict each other by {:.1f} degrees, and nothing tells which of them is wrong: "
-          "check "
-          "the yaw of both mounts and the sign of both doppler_scale",
+          "check the yaw of both mounts and the sign of both doppler_scale",
           configured.name, radars_[tracks_[radar].other].name,
           std::max(std::abs(figures.yaw_correction), std::abs(other.figures.yaw_correction)) / kDegree);
     }
