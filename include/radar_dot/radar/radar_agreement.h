@@ -22,7 +22,8 @@ namespace radar_dot {
 /// left, S psi = h, is summed over the sweeps. h_i / S_ii is the yaw by which radar i alone must be turned to
 /// fit the motion that the others see, and h_i^2 / S_ii says how much better all returns fit then: the mount
 /// that is off is the one that gains the most (data snooping; Baarda, A testing procedure for use in
-/// geodetic networks, 1968). Radars whose gains are alike cannot be told apart.
+/// geodetic networks, 1968). The others are taken as known to half a degree. Radars whose gains are alike
+/// cannot be told apart.
 ///
 /// Where the returns of a radar do not fit, its yaw is searched over the full circle; half a turn is a range
 /// rate of the opposite sign.
