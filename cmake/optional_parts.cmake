@@ -38,7 +38,6 @@ endfunction()
 find_package(Boost QUIET OPTIONAL_COMPONENTS program_options)
 find_package(RapidJSON QUIET)
 find_package(embree 3 QUIET)
-find_package(yaml-cpp QUIET)
 find_package(TBB QUIET OPTIONAL_COMPONENTS tbbmalloc_proxy)
 radar_dot_part(simulation RADAR_DOT_WITH_SIMULATION
   Embree embree_FOUND libembree-dev
@@ -46,8 +45,7 @@ radar_dot_part(simulation RADAR_DOT_WITH_SIMULATION
   TBB.tbbmalloc_proxy TBB::tbbmalloc_proxy libtbb-dev)
 radar_dot_part(tools RADAR_DOT_WITH_TOOLS
   Boost.Program_options Boost::program_options libboost-program-options-dev
-  RapidJSON RapidJSON_FOUND rapidjson-dev
-  yaml-cpp yaml-cpp_FOUND libyaml-cpp-dev)
+  RapidJSON RapidJSON_FOUND rapidjson-dev)
 if(RADAR_DOT_HAS_TOOLS AND NOT RADAR_DOT_HAS_SIMULATION)
   message(STATUS "radar_dot: simulate_drive: off (needs the simulation)")
 elseif(RADAR_DOT_HAS_SIMULATION AND NOT RADAR_DOT_HAS_TOOLS)

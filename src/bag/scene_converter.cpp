@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
+#include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -73,6 +75,7 @@ class SceneWriter {
   std::size_t readings_ = 0;
   std::size_t radar_files_ = 0;
   std::uintmax_t sensor_bytes_ = 0;
+  std::map<std::string, std::uint32_t> clouds_;  // by frame: how many
 };
 
 void SceneWriter::writeMounts(const ros::Time& start) {
@@ -129,7 +132,9 @@ void SceneWriter::writeReading(Index reading) {
 void SceneWriter::writeCloud(const dataset::SampleData& reading, PointCloud&& cloud,
                              const std::string& frame) {
   const ros::Time stamp = toTime(reading.timestamp_us);
-  bag_.write("/" + frame, stamp, toPointCloud2(std::move(cloud), frame, stamp));
+  sensor_msgs::PointCloud2 message = toPointCloud2(std::move(cloud), frame, stamp);
+  message.header.seq = ++clouds_[frame];  // a replay keeps it, and shows what is lost
+  bag_.write("/" + frame, stamp, message);
   sensor_bytes_ += fs::file_size(tables_.path(reading));
 }
 

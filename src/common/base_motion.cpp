@@ -27,6 +27,12 @@ Eigen::Matrix3d meanRotation(const Eigen::Vector3d& w) {
 
 }  // namespace
 
+Eigen::Quaterniond rotationOf(const Eigen::Vector3d& rotation_vector) {
+  const double angle = rotation_vector.norm();
+  if (angle < 1e-12) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation_vector / angle));
+}
+
 Eigen::Isometry3d baseMotionWithRotation(const Eigen::Vector3d& linear,
                                          const Eigen::Matrix3d& R_previous_from_current, double dt) {
   const Eigen::AngleAxisd rotation(R_previous_from_current);

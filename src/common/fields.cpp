@@ -53,7 +53,7 @@ FieldValue converted(const Field& field, const FieldValue& value) {
 
 bool hasType(const Field& field, const FieldValue& value) {
   // By FieldType: the alternatives of FieldValue.
-  constexpr std::size_t kAlternatives[] = {1, 2, 3, 4, 4, 5, 6};
+  constexpr std::size_t kAlternatives[] = {1, 2, 3, 4, 4, 5, 6, 7};
   return value.index() == kAlternatives[static_cast<std::size_t>(field.type)] ||
          (field.optional && std::holds_alternative<std::monostate>(value));
 }
@@ -130,6 +130,11 @@ struct ValueText {
   std::string operator()(const std::vector<Item>& list) const {
     return fmt::format("{}", fmt::join(list, ", "));
   }
+  std::string operator()(const std::vector<double>& list) const {
+    std::string text;
+    for (const double number : list) text += (text.empty() ? "" : ", ") + numberText(number);
+    return text;
+  }
 };
 
 std::string valueText(const Field& field) { return withUnit(toText(field.get()), field); }
@@ -139,8 +144,9 @@ std::string valueText(const Field& field) { return withUnit(toText(field.get()),
 std::string toText(const FieldValue& value) { return std::visit(ValueText(), value); }
 
 const char* Field::typeText() const {
-  constexpr const char* kTexts[] = {"true or false", "a whole number",          "a number",       "a text",
-                                    "a text",        "a list of whole numbers", "a list of texts"};
+  constexpr const char* kTexts[] = {"true or false",   "a whole number",   "a number",
+                                    "a text",          "a text",           "a list of whole numbers",
+                                    "a list of texts", "a list of numbers"};
   return kTexts[static_cast<std::size_t>(type)];
 }
 
@@ -150,12 +156,15 @@ std::string Field::valid() const {
     for (const auto& [choice, meaning] : choices) names += (names.empty() ? "" : ", ") + std::string(choice);
     return "one of " + names;
   }
+  const std::string count = length > 0 ? fmt::format("{} numbers", length) : "";
   const bool no_lowest = std::isinf(range.lowest) || range.lowest == -kMost;
   const bool no_highest = std::isinf(range.highest) || range.highest == kMost;
-  if (no_lowest && no_highest) return {};
-  if (no_highest) return withUnit(numberText(range.lowest), *this) + " or more";
-  if (no_lowest) return withUnit(numberText(range.highest), *this) + " or less";
-  return withUnit(fmt::format("between {} and {}", numberText(range.lowest), numberText(range.highest)),
+  if (no_lowest && no_highest) return count;
+  const std::string gap = count.empty() ? "" : " ";
+  if (no_highest) return count + gap + withUnit(numberText(range.lowest), *this) + " or more";
+  if (no_lowest) return count + gap + withUnit(numberText(range.highest), *this) + " or less";
+  return count + gap +
+         withUnit(fmt::format("between {} and {}", numberText(range.lowest), numberText(range.highest)),
                   *this);
 }
 
@@ -163,6 +172,7 @@ void Field::check(const FieldValue& given) const {
   const FieldValue value = converted(*this, given);
   const std::string given_text = type == FieldType::kEnum ? "'" + toText(value) + "'" : toText(value);
   if (!hasType(*this, value)) refuse(*this, "'" + toText(value) + "'", typeText());
+  if (std::holds_alternative<std::monostate>(value)) return;
   const auto in_range = [this](double number) { return number >= range.lowest && number <= range.highest; };
   bool is_valid = true;  // a comparison with NaN is false
   if (const auto* number = std::get_if<double>(&value)) is_valid = in_range(*number);
@@ -170,6 +180,8 @@ void Field::check(const FieldValue& given) const {
     is_valid = in_range(static_cast<double>(*number));
   if (const auto* list = std::get_if<std::vector<int>>(&value))
     is_valid = std::all_of(list->begin(), list->end(), in_range);
+  if (const auto* list = std::get_if<std::vector<double>>(&value))
+    is_valid = list->size() == length && std::all_of(list->begin(), list->end(), in_range);
   if (type == FieldType::kEnum) {
     is_valid = std::any_of(choices.begin(), choices.end(), [&value](const auto& choice) {
       return std::get<std::string>(value) == choice.first;
@@ -189,6 +201,10 @@ void Field::set(const FieldValue& value) const {
 
 void Field::setFromText(const std::string& given) const {
   const std::string text_given = trimmed(given);
+  // Of texts and lists of any length, empty is a value.
+  const bool has_empty =
+      type == FieldType::kText || type == FieldType::kIntList || type == FieldType::kTextList;
+  if (text_given.empty() && optional && !has_empty) return put({});
   switch (type) {
     case FieldType::kBool:
       if (const auto is = truth(text_given)) return set(*is);
@@ -197,7 +213,6 @@ void Field::setFromText(const std::string& given) const {
       if (const auto number = wholeNumber(text_given)) return set(*number);
       break;
     case FieldType::kDouble:
-      if (text_given.empty() && optional) return put({});
       if (const auto number = realNumber(text_given)) return set(*number);
       break;
     case FieldType::kText: return set(given);
@@ -212,14 +227,44 @@ void Field::setFromText(const std::string& given) const {
       }
       return set(list);
     }
+    case FieldType::kDoubleList: {
+      std::vector<double> list;
+      for (const std::string& item : listItems(given)) {
+        const std::optional<double> number = realNumber(item);
+        if (!number) refuse(*this, "'" + given + "'", typeText());
+        list.push_back(*number);
+      }
+      return set(list);
+    }
   }
   refuse(*this, "'" + given + "'", typeText());
 }
 
 void Field::setFromItems(const std::vector<std::string>& items) const {
   // Texts may hold commas, so they are not joined.
-  if (type == FieldType::kIntList) return setFromText(fmt::format("[{}]", fmt::join(items, ", ")));
+  if (type == FieldType::kIntList || type == FieldType::kDoubleList)
+    return setFromText(fmt::format("[{}]", fmt::join(items, ", ")));
   set(items);
+}
+
+void FieldList::addOverrides(const FieldList& others, std::map<std::string, FieldValue>& values) {
+  for (Field field : others) {
+    field.group = group_;
+    field.live_only = (flags_ & kLiveOnly) != 0;
+    field.optional = field.overrides = true;
+    field.address = nullptr;
+    field.get = [&values, name = std::string(field.name)] {
+      const auto found = values.find(name);
+      return found == values.end() ? FieldValue() : found->second;
+    };
+    field.put = [&values, name = std::string(field.name)](const FieldValue& given) {
+      if (std::holds_alternative<std::monostate>(given))
+        values.erase(name);
+      else
+        values[name] = given;
+    };
+    fields_.push_back(std::move(field));
+  }
 }
 
 void FieldList::append(const FieldList& other, const std::function<bool(const Field&)>& filter) {

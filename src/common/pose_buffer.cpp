@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "radar_dot/common/base_motion.h"
 
 namespace radar_dot {
 
@@ -43,19 +46,53 @@ std::optional<double> PoseBuffer::latest() const {
   return samples_.back().time;
 }
 
-bool YawIntegrator::add(double time, double yaw_rate) {
+bool AttitudeIntegrator::add(double time, const Eigen::Vector3d& rate, const Eigen::Vector3d& force) {
   const bool restarted = !started_ || time - time_ > max_gap_;
-  yaw_ = restarted ? 0.0 : yaw_ + 0.5 * (yaw_rate_ + yaw_rate) * (time - time_);
+  if (restarted) {
+    reset();
+  } else {
+    const double dt = time - time_;
+    const Eigen::Quaterniond before = attitude_;
+    Eigen::Vector3d turn = dt * (0.5 * (rate_ + rate) - bias_);
+    if (!is_level_) turn.head<2>().setZero();
+    attitude_ = (before * rotationOf(turn)).normalized();
+    by_force_ += 0.5 * dt * (before * force_ + attitude_ * force);
+  }
+  if (!is_level_ && std::abs(force.norm() - kGravity) < kTolerance) {
+    attitude_ = Eigen::Quaterniond::FromTwoVectors(attitude_ * force, Eigen::Vector3d::UnitZ()) * attitude_;
+    is_level_ = true;
+  }
   started_ = true;
   time_ = time;
-  yaw_rate_ = yaw_rate;
+  rate_ = rate;
+  force_ = force;
+  StampedPose now;
+  now.time = time;
+  now.rotation = attitude_;
+  now.position = by_force_;
+  track_.add(now);
   return restarted;
 }
 
-void YawIntegrator::reset() {
-  started_ = false;
-  yaw_ = 0.0;
+void AttitudeIntegrator::level(double time, const Eigen::Vector3d& velocity) {
+  const std::optional<StampedPose> pose = track_.at(time);
+  if (!pose || (levelled_ && time - levelled_->time < kInterval)) return;
+  const Velocities now{time, pose->position, pose->rotation * velocity};
+  const std::optional<Velocities> before = std::exchange(levelled_, now);
+  if (!before) return;
+  const double dt = now.time - before->time;
+  const Eigen::Vector3d up = (now.by_force - before->by_force - (now.own - before->own)) / dt;
+  if (std::abs(up.norm() - kGravity) > kTolerance) return;
+  const Eigen::Vector3d error = up.normalized().cross(Eigen::Vector3d::UnitZ());
+  // At first the mean of all, so that a start under way is soon forgotten.
+  const double mean = 1.0 / ++levellings_, slow = std::min(1.0, dt / kTimeConstant);
+  if (mean < slow)  // critically damped
+    bias_ -= 0.25 * slow / kTimeConstant * (attitude_.conjugate() * error);
+  attitude_ = (rotationOf(std::max(mean, slow) * error) * attitude_).normalized();
+  is_level_ = true;
 }
+
+void AttitudeIntegrator::reset() { *this = AttitudeIntegrator(max_gap_); }
 
 Eigen::Quaterniond headingOf(const Eigen::Quaterniond& rotation) {
   const Eigen::Vector3d forward = rotation * Eigen::Vector3d::UnitX();

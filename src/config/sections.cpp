@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/config/sections.h"
 
+#include "config/radars.h"
+
 namespace radar_dot {
 namespace {
 
@@ -35,42 +37,7 @@ void describeUseMask(bool& use_mask, FieldList& fields) {
   fields.add("use_mask", use_mask, "Subscribe dynamic/mask, and use what it shows as moving");
 }
 
-/// @throws InvalidParameter naming the entry, so that the others can be used
-void validateRadars(const EgoVelocityConfig& config) {
-  const std::string dictionary = fieldsOf(config).dictionaries().front().name;
-  std::map<std::string, std::string> radar_of;  // by topic
-  for (const auto& [name, entry] : config.radars) {
-    const std::string place = dictionary + "/" + name;
-    const FieldList fields = fieldsOf(entry);
-    if (entry.topic.empty()) {
-      throw InvalidParameter({place}, place + "/" + fields.of(&entry.topic).name +
-                                          " is empty, must be the name of a PointCloud2 topic");
-    }
-    try {
-      checkFields(fields);
-      require(entry.doppler_scale != 0.0, fields, {&entry.doppler_scale}, "it must not be zero");
-    } catch (const InvalidParameter& error) {
-      throw InvalidParameter({place}, place + "/" + error.what());
-    }
-    const std::size_t root = entry.topic.front() == '/' ? 1 : 0;
-    const auto [other, is_new] = radar_of.emplace(entry.topic.substr(root), name);
-    if (!is_new) {
-      throw InvalidParameter({place}, place + " has the " + fields.of(&entry.topic).name + " of " +
-                                          dictionary + "/" + other->second +
-                                          ": its returns would count twice");
-    }
-  }
-}
-
 }  // namespace
-
-void RadarEntry::describe(FieldList& fields) {
-  fields.add("topic", topic, "PointCloud2 topic, remappable");
-  fields.add("doppler_scale", doppler_scale,
-             "Factor on the range rate of this radar instead of the common one", "", {-10.0, 10.0});
-  fields.add("mount_yaw_correction", mount_yaw_correction, "Added to the yaw of the mount from TF", "rad",
-             {-3.2, 3.2});
-}
 
 void RateParams::describe(FieldList& fields) {
   fields.add("expected_rate", expected_rate, "Rate of each input, for the diagnostics", "Hz",
@@ -82,10 +49,11 @@ void RateParams::describe(FieldList& fields) {
 
 void EgoVelocityConfig::describe(FieldList& fields) {
   fields.group("Radars", FieldList::kAtStart);
-  fields.addDictionary("radars", radars, "The radars: name -> parameters of each");
+  fields.addDictionary(kRadars, radars, "The radars: name -> parameters of each");
   sweep.describe(fields);
   fields.group("Node", kFixed);
   describeBaseFrame(base_frame, fields);
+  rotation.describe(fields);
   fields.add("queue_size", queue_size, "Clouds per radar that may wait", "", {1, 1000});
   rate.describe(fields);
   fields.group("Returns");

@@ -51,8 +51,7 @@ void addErrors(const EstimatedVelocity& estimate, const Eigen::Vector3d& truth, 
                ModelErrors& errors) {
   const auto add = [&](int axis, double error, Mean& absolute, Mean& normalised) {
     absolute.add(std::abs(error));
-    if (estimate.observed[static_cast<std::size_t>(axis)])
-      normalised.add(error * error / estimate.covariance(axis, axis));
+    if (estimate.observes(axis)) normalised.add(error * error / estimate.covariance(axis, axis));
   };
   add(0, estimate.linear.x() - truth.x(), errors.vx, errors.normalised_vx);
   add(1, estimate.linear.y() - truth.y(), errors.vy, errors.normalised_vy);
@@ -97,8 +96,8 @@ void evaluatePairs(const RadarScene& scene, const VelocityEvaluationOptions& opt
       if (result.valid()) report.mae[name].add((result.linear - truth).head<2>().norm());
     }
     for (auto& [model, estimator] : models) {
-      const bool with_yaw = model == MotionModel::kPlanarYaw || model == MotionModel::kAckermann;
-      const EgoVelocityResult result = estimator.estimate(with_yaw ? turned : scans, middle, acceleration);
+      const EgoVelocityResult result =
+          estimator.estimate(model == MotionModel::kPlanar ? scans : turned, middle, acceleration);
       const bool in_use = model == options.ego_velocity.estimator.model;
       if (!result.valid()) {
         if (in_use) {
@@ -263,7 +262,7 @@ VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
   evaluatePairs(loaded, options, start(), report);
   evaluateSweeps(loaded, sweeps, report);
   evaluateMounts(loaded, options, report);
-  evaluateTrajectory(loaded, options.ego_velocity.filter ? sweeps.filtered : sweeps.velocities, report);
+  evaluateTrajectory(loaded, sweeps.filtered.empty() ? sweeps.velocities : sweeps.filtered, report);
   evaluateLabels(tables, loaded, options, start(), report);
   return report;
 }

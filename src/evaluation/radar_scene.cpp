@@ -84,33 +84,30 @@ LoadedRadar loadRadar(const Tables& tables, Index scene, const std::string& chan
                       const EgoVelocityConfig& config) {
   LoadedRadar radar;
   radar.channel = channel;
-  ExtractionParams extraction = config.extraction;
-  double yaw = 0.0;  // rad
-  for (const auto& [name, entry] : config.radars) {
-    if (channelOf(entry.topic) != channel) continue;
-    extraction.doppler_scale = entry.doppler_scale.value_or(extraction.doppler_scale);
-    yaw = entry.mount_yaw_correction;
+  RadarEntry entry;
+  for (const auto& [name, given] : config.radars) {
+    const RadarEntry whole = withPreset(given);
+    if (channelOf(whole.topic) == channel) entry = whole;
   }
-  DopplerExtractor extractor(extraction);
+  DopplerExtractor extractor(extractionOf(config, entry));
   for (const Index row : tables.readingsOf(scene, channel)) {
     const dataset::SampleData& reading = tables.sample_data[at(row)];
     ++radar.listed;
     const std::filesystem::path path = tables.path(reading);
     if (!std::filesystem::exists(path)) continue;  // a dataroot may hold only part of the sweeps
     LoadedScan scan;
-    scan.time = secondsOf(reading);
+    scan.time = secondsOf(reading) + entry.time_offset.value_or(0.0);
     scan.sample = reading.sample;
     scan.is_key_frame = reading.is_key_frame;
+    const dataset::CalibratedSensor& sensor = tables.calibrated_sensors[at(reading.calibrated_sensor)];
+    radar.T_base_from_sensor = corrected(mountOf(entry).value_or(sensor.T_base_from_sensor), entry);
     try {
-      extractor.extract(dataset::readPcd(path).view(), scan.returns);
+      extractor.extract(dataset::readPcd(path).view(), scan.returns, &radar.T_base_from_sensor);
     } catch (const std::invalid_argument& error) {
       throw DatasetError(fmt::format("{}: {}", path.string(), error.what()));
     }
-    radar.T_base_from_sensor = tables.calibrated_sensors[at(reading.calibrated_sensor)].T_base_from_sensor;
     radar.scans.push_back(std::move(scan));
   }
-  radar.T_base_from_sensor.linear() =
-      Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * radar.T_base_from_sensor.linear();
   return radar;
 }
 
@@ -127,15 +124,25 @@ PoseTrack loadTruth(const Tables& tables, Index scene) {
   }
 }
 
+bool isMoreThanTopic(const RadarEntry& entry) {
+  RadarEntry plain;
+  plain.topic = entry.topic;
+  const FieldList fields = fieldsOf(entry), plain_fields = fieldsOf(plain);
+  return std::any_of(fields.begin(), fields.end(), [&plain_fields](const Field& field) {
+    return !field.live_only && field.get() != plain_fields.find(field.name)->get();
+  });
+}
+
 /// A correction for a radar that the scene does not have would be lost without a word.
 void requireRadars(const Tables& tables, Index scene, const EgoVelocityConfig& config) {
   const std::vector<std::string> channels = radarChannels(tables, scene, {});
-  for (const auto& [name, entry] : config.radars) {
-    const bool corrects = entry.doppler_scale || entry.mount_yaw_correction != 0.0;
-    if (!corrects || std::find(channels.begin(), channels.end(), channelOf(entry.topic)) != channels.end())
+  for (const auto& [name, given] : config.radars) {
+    const RadarEntry entry = withPreset(given);
+    if (!isMoreThanTopic(entry) ||
+        std::find(channels.begin(), channels.end(), channelOf(entry.topic)) != channels.end())
       continue;
     throw DatasetError(
-        fmt::format("{}: the corrections of radars/{} are for the topic '{}', which is not one of {}",
+        fmt::format("{}: the parameters of radars/{} are for the topic '{}', which is not one of {}",
                     tables.scenes[at(scene)].name, name, entry.topic, fmt::join(channels, ", ")));
   }
 }

@@ -31,7 +31,7 @@ void addErrors(const std::string& name, const std::string& object, bool with_yaw
 std::vector<Column> modelColumns() {
   std::vector<Column> columns;
   for (const std::string model : {"planar", "planar_yaw", "ackermann", "spatial"})
-    addErrors(model, "models/" + model, model == "planar_yaw" || model == "ackermann", columns);
+    addErrors(model, "models/" + model, model != "planar", columns);
   columns.push_back(column("wheel_vx", "wheel_speed/vx_mae"));
   columns.push_back(column("wheel_vs_truth", "wheel_speed/ground_truth_vx_mae"));
   return columns;
@@ -43,6 +43,17 @@ std::vector<Column> causalColumns() {
   for (const std::string name : {"single", "filter"}) addErrors(name, "causal/" + name, true, columns);
   columns.push_back(column("rejected", "causal/rejected"));
   columns.push_back(column("starts", "causal/starts"));
+  return columns;
+}
+
+/// How consistent the covariances are.
+std::vector<Column> consistencyColumns() {
+  std::vector<Column> columns;
+  for (const std::string name : {"single", "filter"}) {
+    for (const std::string axis : {"vx", "vy", "yaw_rate"})
+      columns.push_back(
+          column(name + "_" + axis + "_nse", "causal/" + name + "/" + axis + "_normalised_squared", 2));
+  }
   return columns;
 }
 
@@ -149,6 +160,9 @@ std::string formatTable(const std::vector<VelocityReport>& scenes, const Velocit
                  causalColumns()) +
              "\n";
   }
+  causal +=
+      table("Latest sweep, squared error over the stated variance (1: consistent)", consistencyColumns()) +
+      "\n";
   return table(
              "Ego velocity, mean |v - v_gt| (m/s), planar model: B1 least squares on all returns, A1 on the "
              "static ones, B2/A2 with RANSAC, robust with reweighted refinement",
@@ -174,7 +188,7 @@ std::string formatJson(const std::vector<VelocityReport>& scenes, const Velocity
 
 std::string formatCsv(const std::vector<VelocityReport>& scenes, const VelocityReport& overall) {
   std::vector<Column> columns = estimatorColumns();
-  for (const auto& more : {modelColumns(), causalColumns(), outcomeColumns()})
+  for (const auto& more : {modelColumns(), causalColumns(), consistencyColumns(), outcomeColumns()})
     columns.insert(columns.end(), more.begin(), more.end());
   return csvOf(rowsOf(scenes, overall, "overall"), columns);
 }

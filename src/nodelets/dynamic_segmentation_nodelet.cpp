@@ -74,6 +74,7 @@ void DynamicSegmentationNodelet::apply(const DynamicSegmentationConfig& config) 
 void DynamicSegmentationNodelet::clearHistory() {
   waiting_.clear();
   pipeline_.clear();
+  yaw_rates_.reset();
   motion_->forget();
   static_returns_->clear();
   dynamic_returns_->clear();

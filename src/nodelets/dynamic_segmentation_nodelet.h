@@ -13,6 +13,7 @@
 #include "nodelets/inputs/waiting_pairs.h"
 #include "nodelets/messages/image_messages.h"
 #include "radar_dot/config/sections.h"
+#include "radar_dot/radar/yaw_rate_comparison.h"
 #include "radar_dot/vision/mask_pipeline.h"
 
 namespace radar_dot {
@@ -51,12 +52,14 @@ class DynamicSegmentationNodelet : public ConfiguredNodelet<DynamicSegmentationC
   void addRadarPoints(Inputs& inputs);
   void segment(const Inputs& inputs);
   void publish(const Inputs& inputs, const MaskOutcome& outcome);
+  void compareYawRates(const Inputs& inputs, const StampedTwist& refined);
   void drop(const std::string& reason);
 
   MaskPipeline pipeline_;
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> static_returns_, dynamic_returns_;
   WaitingPairs waiting_;
+  YawRateComparison yaw_rates_;  // of the twists, with the image
   sensor_msgs::CameraInfoConstPtr camera_;
 
   InputMonitor *flow_input_ = nullptr, *depth_input_ = nullptr, *camera_input_ = nullptr,

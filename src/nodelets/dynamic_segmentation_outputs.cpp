@@ -8,10 +8,14 @@
 
 #include "nodelets/dynamic_segmentation_nodelet.h"
 #include "nodelets/messages/refined_twist.h"
+#include "radar_dot/common/base_motion.h"
 #include "vision/resize_nearest.h"
 
 namespace radar_dot {
 namespace {
+
+// Part of the refined yaw rate that is the image's own, below which it tells nothing.
+constexpr double kLeastGain = 0.2;
 
 /// |flow - expected|, px; NaN where either is unknown.
 cv::Mat residualOf(const cv::Mat& flow, const cv::Mat& expected) {
@@ -43,11 +47,15 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MaskOutcome
     valid_publisher_.publish(imageMessage(header, "mono8", resizeNearest(result.valid, size)));
   if (score_publisher_.getNumSubscribers() > 0)
     score_publisher_.publish(imageMessage(header, "32FC1", result.score));
-  if (config_.refine && refined_publisher_.getNumSubscribers() > 0) {
+  yaw_rates_.expire(std::max(inputs.pair.first_time, inputs.pair.second_time));
+  if (config_.refine) {
+    const StampedTwist velocity = refinedVelocity(inputs.pair, input);
+    compareYawRates(inputs, velocity);
     std_msgs::Header refined;
     refined.stamp = std::max(header.stamp, inputs.messages.flow->second_stamp);
     refined.frame_id = config_.stream.base_frame;
-    refined_publisher_.publish(refinedTwist(inputs.pair, input, refined));
+    if (refined_publisher_.getNumSubscribers() > 0)
+      refined_publisher_.publish(refinedTwist(velocity, refined));
   }
   const bool wants_residual = residual_publisher_.getNumSubscribers() > 0;
   const bool wants_expected = expected_flow_publisher_.getNumSubscribers() > 0;
@@ -56,6 +64,20 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MaskOutcome
   if (wants_expected) expected_flow_publisher_.publish(imageMessage(header, "32FC2", expected));
   if (wants_residual)
     residual_publisher_.publish(imageMessage(header, "32FC1", residualOf(input.flow, expected)));
+}
+
+/// The yaw rate of the image alone: the refined one has that of the twists in it, as much as it is trusted.
+void DynamicSegmentationNodelet::compareYawRates(const Inputs& inputs, const StampedTwist& refined) {
+  if (motion_->hasRotation() && !inputs.without_rotation) return;
+  const MaskPair& pair = inputs.pair;
+  const double given = baseVelocity(pair.T_first_from_second, pair.second_time - pair.first_time).angular.z();
+  const double variance = pair.motion_uncertainty.yaw_rate_std * pair.motion_uncertainty.yaw_rate_std;
+  const double gain = 1.0 - refined.covariance(5, 5) / variance;
+  if (!(gain > kLeastGain)) return;
+  const double image = given + (refined.angular.z() - given) / gain;
+  yaw_rates_.add(refined.time, given, std::sqrt(variance / gain), image);
+  const std::string warning = yaw_rates_.warning("'" + twist_input_->topic() + "'", "the image");
+  if (!warning.empty()) warn("yaw rate", warning);
 }
 
 void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -91,7 +113,12 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
         backward_input_->topic().c_str(), nameOf(flow, flow.flow.forward_backward),
         nameOf(flow, flow.direction), toString(FlowDirection::kForward).data());
   }
+  if (const std::string warning = yaw_rates_.warning("'" + twist_input_->topic() + "'", "the image");
+      !warning.empty())
+    status.mergeSummary(DiagnosticStatus::WARN, warning);
   status.add("rotation", motion_->rotationText());
+  status.addf("yaw rate of the twists (rad/s)", "%.3f", yaw_rates_.rate());
+  status.addf("yaw rate of the image (rad/s)", "%.3f", yaw_rates_.reference());
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
   status.addf("latency (ms)", "%.1f", 1e3 * latency_);
   status.addf("valid share", "%.3f", valid_share_);

@@ -2,16 +2,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nodelets/ego_velocity_nodelet.h"
 
+#include <fmt/format.h>
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <pluginlib/class_list_macros.hpp>
+#include <set>
 #include <utility>
 
 #include "nodelets/messages/cloud_conversion.h"
 #include "nodelets/messages/ego_messages.h"
 #include "radar_dot/EgoStatus.h"
+#include "radar_dot/radar/mount_geometry.h"
 
 namespace radar_dot {
 namespace {
@@ -27,6 +31,9 @@ constexpr std::size_t kMaxMissingMounts = 100;
 
 // A larger share of returns that are not finite is worth a warning.
 constexpr double kMaxShareNotFinite = 0.5;
+
+constexpr std::size_t kSweepsBeforeAssessment = 20;
+constexpr std::size_t kComparisonInterval = 4;  // sweeps
 
 }  // namespace
 
@@ -44,6 +51,7 @@ void EgoVelocityNodelet::setUp() {
   });
   setUpMasks();
   setUpRadars();
+  setUpRotation();
 
   twist_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
   raw_twist_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist_raw", 10);
@@ -55,8 +63,11 @@ void EgoVelocityNodelet::setUp() {
 void EgoVelocityNodelet::started() {
   if (const std::string reason = disabledBy(); !reason.empty())
     NODELET_ERROR("%s: %s", getName().c_str(), reason.c_str());
-  silence_timer_ = getNodeHandle().createWallTimer(
-      ros::WallDuration(kStartTimeout), [this](const ros::WallTimerEvent&) { warnOfSilentRadars(); }, true);
+  if (rotation_source_) rotation_source_->start();
+  silence_timer_ =
+      getNodeHandle().createWallTimer(ros::WallDuration(kStartTimeout), [this](const ros::WallTimerEvent&) {
+        if (warnOfSilentRadars()) silence_timer_.stop();
+      });
 }
 
 void EgoVelocityNodelet::setUpMasks() {
@@ -69,31 +80,73 @@ void EgoVelocityNodelet::setUpMasks() {
   mask_ = std::make_unique<MaskInput>(*extrinsics_, masks, cameras);
 }
 
-void EgoVelocityNodelet::warnOfSilentRadars() {
+bool EgoVelocityNodelet::warnOfSilentRadars() {
+  const auto heard = [](const std::unique_ptr<Radar>& radar) { return radar->monitor.heard(); };
+  if (std::all_of(radars_.begin(), radars_.end(), heard)) return true;
+  const std::string others = otherClouds();
+  // Before a bag plays, or the drivers run, silence says nothing of the names.
+  const bool others_last = std::exchange(other_clouds_seen_, !others.empty());
+  if (!(others_last && other_clouds_seen_) && std::none_of(radars_.begin(), radars_.end(), heard))
+    return false;
   for (const std::unique_ptr<Radar>& radar : radars_) {
-    if (radar->monitor.heard()) continue;
-    NODELET_WARN("%s: nothing on '%s' yet (%u publishers)", getName().c_str(), radar->entry.topic.c_str(),
-                 radar->monitor.publishers());
+    if (heard(radar)) continue;
+    NODELET_WARN("%s: nothing on '%s' yet (%u publishers)%s%s", getName().c_str(), radar->topic.c_str(),
+                 radar->monitor.publishers(), others.empty() ? "" : "; clouds at hand: ", others.c_str());
   }
+  return true;
+}
+
+std::string EgoVelocityNodelet::otherClouds() const {
+  ros::master::V_TopicInfo topics;
+  ros::master::getTopics(topics);
+  std::vector<std::string> names;
+  std::set<std::string> known;
+  for (const char* name : {"radar/static", "radar/dynamic"}) known.insert(getNodeHandle().resolveName(name));
+  for (const std::unique_ptr<Radar>& radar : radars_) known.insert(radar->topic);
+  for (const ros::master::TopicInfo& topic : topics)
+    if (RadarMessage::takes(topic.datatype) && known.count(topic.name) == 0) names.push_back(topic.name);
+  std::sort(names.begin(), names.end());
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 void EgoVelocityNodelet::setUpRadars() {
   const std::string parameter = fieldsOf(config_).dictionaries().front().name;
-  for (const auto& [name, entry] : config_.radars) {
+  for (const auto& [name, given] : config_.radars) {
+    const RadarEntry entry = withPreset(given);
     if (!isTopic(entry.topic, parameter + "/" + name + "/" + nameOf(entry, entry.topic))) continue;
-    RadarMonitor* monitor = listenAs<sensor_msgs::PointCloud2>(
-        "radar " + name, std::make_unique<RadarMonitor>(name, radar_expectation_, config_.sweep.window),
-        entry.topic, static_cast<std::uint32_t>(config_.queue_size),
-        [this, i = radars_.size()](const sensor_msgs::PointCloud2ConstPtr& cloud) { onCloud(i, cloud); }, {},
+    const StreamExpectation expectation = expectationOf(rateOf(config_, entry), config_.sweep.silent_after);
+    RadarMonitor* monitor = listenAs<RadarMessage>(
+        "radar " + name, std::make_unique<RadarMonitor>(name, expectation, config_.sweep.window), entry.topic,
+        static_cast<std::uint32_t>(config_.queue_size),
+        [this, i = radars_.size()](const RadarMessageConstPtr& message) { onMessage(i, *message); }, {},
         Stamps::kByBody);
-    radars_.push_back(std::make_unique<Radar>(Radar{name, entry, *monitor, DopplerExtractor()}));
-    radars_.back()->entry.topic = getNodeHandle().resolveName(entry.topic);
+    radars_.push_back(std::make_unique<Radar>(Radar{name,
+                                                    getNodeHandle().resolveName(entry.topic),
+                                                    *monitor,
+                                                    RadarInput(entry),
+                                                    mountOf(entry),
+                                                    {},
+                                                    {}}));
   }
   if (radars_.empty()) {
     reportProblem("no radars: set " + getPrivateNodeHandle().resolveName(parameter) +
                   " to a dictionary, e.g. {radar_front: {topic: /radar_front}}");
   }
   assembler_.emplace(radars_.size(), config_.sweep);
+  mount_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+}
+
+void EgoVelocityNodelet::setUpRotation() {
+  RotationSource::Callbacks callbacks;
+  callbacks.arrival = [this] { checkClock(); };
+  callbacks.sample = callbacks.restarted = [] {};
+  callbacks.warn = [this](const std::string& text) { warn("rotation", text); };
+  try {
+    rotation_source_ =
+        makeRotationSource(config_.rotation, getNodeHandle(), *extrinsics_, std::move(callbacks));
+  } catch (const std::invalid_argument& error) {
+    reportProblem(std::string(error.what()) + "; the returns alone tell the velocity");
+  }
 }
 
 std::string EgoVelocityNodelet::disabledBy() const {
@@ -107,15 +160,22 @@ std::string EgoVelocityNodelet::disabledBy() const {
 void EgoVelocityNodelet::apply(const EgoVelocityConfig& config) {
   // Everything that can throw comes first: what is refused changes nothing.
   std::vector<std::pair<Radar*, DopplerExtractor>> extractors;
+  std::vector<RadarAgreement::Radar> compared;
   for (const std::unique_ptr<Radar>& radar : radars_) {
-    ExtractionParams params = config.extraction;
-    params.doppler_scale = radar->entry.doppler_scale.value_or(params.doppler_scale);
-    if (!sameFields(radar->extractor.params(), params))
+    const RadarEntry& entry = radar->input.entry();
+    const ExtractionParams params = extractionOf(config, entry);
+    compared.push_back({radar->name, entry.mount_yaw_correction, params.doppler_scale});
+    if (!sameFields(radar->input.extraction(), params))
       extractors.emplace_back(radar.get(), DopplerExtractor(params));
   }
+  std::optional<EgoVelocityEstimator> own_yaw_rate;
+  if (rotation_source_) own_yaw_rate.emplace(config.estimator);
   estimator_.configure(config);
 
-  for (auto& [radar, extractor] : extractors) radar->extractor = std::move(extractor);
+  for (auto& [radar, extractor] : extractors) radar->input.setExtractor(std::move(extractor));
+  agreement_.configure(std::move(compared));
+  own_yaw_rate_ = std::move(own_yaw_rate);
+  mounts_assessed_ = mounts_assessed_ && config.estimator.model == config_.estimator.model;
   mask_->configure(config);
   config_ = config;
 }
@@ -123,31 +183,40 @@ void EgoVelocityNodelet::apply(const EgoVelocityConfig& config) {
 void EgoVelocityNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   status.summaryf(DiagnosticStatus::OK, "%zu radars", radars_.size());
+  if (!mount_advice_.empty()) status.mergeSummary(DiagnosticStatus::WARN, mount_advice_);
   if (const std::string reason = disabledBy(); !reason.empty())
     status.mergeSummary(DiagnosticStatus::ERROR, reason);
 }
 
-void EgoVelocityNodelet::onCloud(std::size_t index, const sensor_msgs::PointCloud2ConstPtr& cloud) {
+void EgoVelocityNodelet::onMessage(std::size_t index, const RadarMessage& message) {
   Radar& radar = *radars_[index];
+  if (!radar.input.isOwn(message)) {
+    radar.monitor.other(message.header.frame_id);
+    return;
+  }
+  radar.monitor.arrived();
   if (!disabledBy().empty()) return;
   auto reading = std::make_shared<RadarReading>();
-  reading->cloud = cloud;
-  reading->view = viewOf(*cloud, reading->fields);
-  if (reading->view.size() > 0) reading->counts = radar.extractor.extract(reading->view, reading->returns);
-
-  acceptStamp(radar.monitor, cloud->header);
+  radar.input.read(
+      message, ros::Time::now(),
+      [&](const std::string& frame, std::string& error) { return findMount(radar, frame, error); }, *reading);
+  acceptStamp(radar.monitor, reading->header);
+  radar.monitor.scan(reading->header.frame_id, reading->counts, radar.input.lost());
+  if (radar.monitor.describe(radar.input.description()) && throttle_.allow(radar.name, "reads")) {
+    NODELET_INFO("%s: radar %s on '%s': %s", getName().c_str(), radar.name.c_str(), radar.topic.c_str(),
+                 radar.input.description().c_str());
+  }
 
   const ExtractionCounts& counts = reading->counts;
   // One point of NaN is how some radars say "nothing seen".
   if (counts.total > 1 &&
       static_cast<double>(counts.not_finite) > kMaxShareNotFinite * static_cast<double>(counts.total)) {
     warn(radar.name, std::to_string(counts.not_finite) + " of " + std::to_string(counts.total) +
-                         " returns on '" + radar.entry.topic + "' are not finite");
+                         " returns on '" + radar.topic + "' are not finite");
   }
 
   // Only later stamps reach this: the assembler neither rejects them nor resets.
-  assembler_->add({index, cloud->header.stamp.toSec(), reading}, completed_);
-  radar.monitor.scan(cloud->header.frame_id, counts);
+  assembler_->add({index, reading->header.stamp.toSec(), reading}, completed_);
   for (const Sweep& sweep : completed_) processSweep(sweep);
   completed_.clear();
 }
@@ -155,30 +224,75 @@ void EgoVelocityNodelet::onCloud(std::size_t index, const sensor_msgs::PointClou
 void EgoVelocityNodelet::clearHistory() {
   assembler_->reset();
   estimator_.reset();
+  agreement_.reset();
+  rotation_comparison_.reset();
+  if (rotation_source_) rotation_source_->reset();
   mask_->forget();
   estimator_monitor_->reset();
 }
 
-std::optional<Eigen::Isometry3d> EgoVelocityNodelet::mountOf(Radar& radar, const std::string& frame,
-                                                             std::string& error) {
+std::optional<Eigen::Isometry3d> EgoVelocityNodelet::findMount(Radar& radar, const std::string& frame,
+                                                               std::string& error) {
+  if (radar.T_base_from_sensor) {
+    publishMount(radar, frame);
+    return radar.mount = corrected(*radar.T_base_from_sensor, radar.input.entry());
+  }
   std::string cause;
-  std::optional<Eigen::Isometry3d> mount = extrinsics_->lookup(frame, cause);
+  const std::optional<Eigen::Isometry3d> mount = extrinsics_->lookup(frame, cause);
+  const RadarEntry names;
+  if (!mount)
+    cause +=
+        fmt::format(" (TF, or {} and {})", nameOf(names, names.mount_xyz), nameOf(names, names.mount_rpy));
   radar.monitor.mount(cause);
   if (mount) {
     mount_missing_since_.erase(frame);
-    mount->linear() =
-        Eigen::AngleAxisd(radar.entry.mount_yaw_correction, Eigen::Vector3d::UnitZ()) * mount->linear();
-    return mount;
+    return radar.mount = corrected(*mount, radar.input.entry());
   }
-  const ros::WallTime now = ros::WallTime::now();
-  if (mount_missing_since_.size() > kMaxMissingMounts) mount_missing_since_.clear();
-  const ros::WallTime since = mount_missing_since_.try_emplace(frame, now).first->second;
-  if ((now - since).toSec() > kMountTimeout && throttle_.allow(radar.name, cause)) {
-    NODELET_WARN("%s: the scans on '%s' are skipped: %s", getName().c_str(), radar.entry.topic.c_str(),
+  if (missingFor(frame) > kMountTimeout && throttle_.allow(radar.name, cause)) {
+    NODELET_WARN("%s: the scans on '%s' are skipped: %s", getName().c_str(), radar.topic.c_str(),
                  cause.c_str());
   }
   error = cause;
   return std::nullopt;
+}
+
+double EgoVelocityNodelet::missingFor(const std::string& frame) {
+  const ros::WallTime now = ros::WallTime::now();
+  if (mount_missing_since_.size() > kMaxMissingMounts) mount_missing_since_.clear();
+  return (now - mount_missing_since_.try_emplace(frame, now).first->second).toSec();
+}
+
+void EgoVelocityNodelet::publishMount(Radar& radar, const std::string& frame) {
+  if (radar.published_frame == frame || frame.empty()) return;
+  std::string missing;
+  if (const std::optional<Eigen::Isometry3d> known = extrinsics_->lookup(frame, missing)) {
+    radar.published_frame = frame;
+    if (!known->isApprox(*radar.T_base_from_sensor, 1e-3))
+      warn(radar.name,
+           "the mount of '" + frame + "' on TF is not that of the parameters, which is used here");
+    return;
+  }
+  // TF may have it from elsewhere in a moment.
+  if (missingFor(frame) < kMountTimeout) return;
+  radar.published_frame = frame;
+  geometry_msgs::TransformStamped transform;
+  transform.header.stamp = ros::Time::now();
+  transform.header.frame_id = extrinsics_->baseFrame();
+  transform.child_frame_id = withoutSlash(frame);
+  transform.transform = transformOf(*radar.T_base_from_sensor);
+  mount_broadcaster_->sendTransform(transform);
+}
+
+void EgoVelocityNodelet::assessMountsOnce() {
+  if (mounts_assessed_ || config_.rotation.source != RotationSourceKind::kRadar) return;
+  std::vector<Eigen::Isometry3d> mounts;
+  for (const std::unique_ptr<Radar>& radar : radars_)
+    if (radar->mount) mounts.push_back(*radar->mount);
+  // Radars that stay silent are no reason to wait for ever: those at hand are assessed after a second.
+  if (mounts.size() < radars_.size() && sweeps_ < kSweepsBeforeAssessment) return;
+  mounts_assessed_ = true;
+  mount_advice_ = assessMounts(mounts, config_.estimator).advice;
+  if (!mount_advice_.empty()) NODELET_WARN("%s: %s", getName().c_str(), mount_advice_.c_str());
 }
 
 void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
@@ -188,20 +302,28 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
   for (const Assembler::Scan& scan : sweep.scans) {
     Radar& radar = *radars_[scan.radar];
     radar.monitor.used();
-    const auto mount = mountOf(radar, scan.reading->cloud->header.frame_id, mount_error);
+    const auto mount = findMount(radar, scan.reading->header.frame_id, mount_error);
     if (!mount) continue;
     scans.push_back({scan.reading->returns, *mount, scan.time, scan.radar});
+    scans.back().unambiguous_velocity = unambiguousVelocityOf(radar.input.entry(), radar.input.extraction());
     mask_->mark(scans.back());
     readings.push_back(scan.reading);
   }
+  ++sweeps_;
+  assessMountsOnce();
 
-  const ros::Time stamp = sweep.scans[sweep.newest].reading->cloud->header.stamp;
+  const ros::Time stamp = sweep.scans[sweep.newest].reading->header.stamp;
+  const std::optional<AngularVelocity> rotation =
+      rotation_source_ ? rotation_source_->rateAt(stamp) : std::nullopt;
+  if (rotation_source_ && !rotation)
+    warn("rotation", "no angular velocity at the time of a sweep from " + rotation_source_->describe());
   const auto start = std::chrono::steady_clock::now();
-  const SweepEstimate estimate = estimator_.estimate(scans, sweep.time());
+  const SweepEstimate estimate = estimator_.estimate(scans, sweep.time(), rotation);
   const double computation_time =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const EgoVelocityResult& result = estimate.single;
-  estimator_monitor_->estimate(stamp, ros::Time::now(), result, sweep.left_out, computation_time);
+  estimator_monitor_->estimate(stamp, ros::Time::now(), result, computation_time);
+  compare(sweep, scans, result, rotation);
 
   std::string reason = result.reason;
   if (!result.valid() && !mount_error.empty()) reason += "; " + mount_error;
@@ -211,9 +333,40 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
       NODELET_WARN("%s: no estimate: %s", getName().c_str(), reason.c_str());
     return;
   }
+  if (!estimate.assumption.empty()) warn("estimate", estimate.assumption);
   if (result.observed[0]) mask_->add({sweep.time(), result.linear, result.angular});
   publishTwist(stamp, estimate);
-  publishClouds(readings, result);
+  publishClouds(readings, scans, result);
+}
+
+void EgoVelocityNodelet::compare(const Sweep& sweep, const std::vector<RadarScan>& scans,
+                                 const EgoVelocityResult& result,
+                                 const std::optional<AngularVelocity>& rotation) {
+  agreement_.add(sweep.time(), scans, result, estimator_.params());
+  for (std::size_t i = 0; i < radars_.size(); ++i) {
+    const RadarAgreement::Figures& figures = agreement_.figures(i);
+    const VelocityFilter& filter = estimator_.filter();
+    radars_[i]->monitor.agreement(figures, assembler_->losses()[i], filter.mountYaw(i),
+                                  std::sqrt(filter.mountYawVariance(i)));
+    if (!figures.warning.empty()) warn(radars_[i]->name, figures.warning);
+  }
+  rotation_comparison_.expire(sweep.time());
+  if (rotation && sweeps_ % kComparisonInterval == 0 && result.valid()) {
+    const EgoVelocityResult own =
+        own_yaw_rate_->estimate(scans, sweep.time(), estimator_.acceleration(sweep.time()));
+    if (own.valid() && own.observed[5]) {
+      const double variance = own.covariance(5, 5) + rotation->covariance(2, 2);
+      rotation_comparison_.add(sweep.time(), own.angular.z(), std::sqrt(variance), rotation->rate.z());
+    }
+  }
+  std::string warning = agreement_.warning();
+  if (rotation_source_) {
+    const std::string contradiction =
+        rotation_comparison_.warning("the radars", rotation_source_->describe());
+    warning += (warning.empty() || contradiction.empty() ? "" : "; ") + contradiction;
+  }
+  if (!warning.empty()) warn("agreement", warning);
+  estimator_monitor_->warn(std::move(warning));
 }
 
 void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, const SweepEstimate& estimate) {
@@ -221,8 +374,11 @@ void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, const SweepEstimat
   if (const std::optional<EgoVelocityResult> output = estimate.output())
     twist_publisher_.publish(twistMessage(stamp, extrinsics_->baseFrame(), *output));
   if (estimate.filtered && estimate.filtered->was_reset && throttle_.allow("filter", "reset")) {
-    NODELET_WARN("%s: velocity filter reset: gap in the input, or repeated estimates outside its gate",
-                 getName().c_str());
+    NODELET_WARN(
+        "%s: velocity filter reset: gap in the input, repeated estimates outside its gate, or a source of "
+        "rotation "
+        "that came or went",
+        getName().c_str());
   }
 }
 
@@ -239,14 +395,17 @@ void EgoVelocityNodelet::publishStatus(const ros::Time& stamp, const EgoVelocity
   status_publisher_.publish(message);
 }
 
-void EgoVelocityNodelet::publishClouds(const Readings& readings, const EgoVelocityResult& result) {
+void EgoVelocityNodelet::publishClouds(const Readings& readings, const std::vector<RadarScan>& scans,
+                                       const EgoVelocityResult& result) {
   const auto publish = [&](const ros::Publisher& publisher, ReturnLabel wanted) {
     if (publisher.getNumSubscribers() == 0) return;
     for (std::size_t i = 0; i < readings.size(); ++i) {
       const RadarReading& reading = *readings[i];
-      publisher.publish(labelledCloud(*reading.cloud, reading.view, reading.returns,
-                                      result.residuals.data() + result.offsets[i],
-                                      result.labels.data() + result.offsets[i], wanted));
+      sensor_msgs::PointCloud2 cloud = labelledCloud(*reading.cloud, reading.view, scans[i].returns,
+                                                     result.residuals.data() + result.offsets[i],
+                                                     result.labels.data() + result.offsets[i], wanted);
+      cloud.header = reading.header;
+      publisher.publish(cloud);
     }
   };
   publish(static_publisher_, ReturnLabel::kStatic);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <sensor_msgs/PointCloud2.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 
 #include <map>
 #include <memory>
@@ -12,30 +13,27 @@
 
 #include "nodelets/common/stream_nodelet.h"
 #include "nodelets/inputs/mask_input.h"
+#include "nodelets/inputs/radar_input.h"
+#include "nodelets/inputs/rotation_source.h"
 #include "radar_dot/config/sections.h"
-#include "radar_dot/radar/doppler_returns.h"
+#include "radar_dot/radar/radar_agreement.h"
 #include "radar_dot/radar/sweep_assembler.h"
 #include "radar_dot/radar/sweep_estimator.h"
+#include "radar_dot/radar/yaw_rate_comparison.h"
 
 namespace radar_dot {
-
-/// One scan as it was received and read.
-struct RadarReading {
-  sensor_msgs::PointCloud2ConstPtr cloud;
-  std::vector<PointField> fields;
-  PointCloudView view;  ///< into `cloud` and `fields`
-  std::vector<DopplerReturn> returns;
-  ExtractionCounts counts;
-};
 
 /// Velocity of the vehicle, static and dynamic returns from any number of radars.
 class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
  private:
   struct Radar {
     std::string name;
-    RadarEntry entry;  // with the resolved topic
+    std::string topic;  // resolved
     RadarMonitor& monitor;
-    DopplerExtractor extractor;
+    RadarInput input;
+    std::optional<Eigen::Isometry3d> T_base_from_sensor;  // as configured; none: of TF
+    std::string published_frame;                          // whose configured mount is on TF
+    std::optional<Eigen::Isometry3d> mount;               // the latest, corrected
   };
   using Assembler = SweepAssembler<std::shared_ptr<const RadarReading>>;
   using Sweep = Assembler::Sweep;
@@ -52,28 +50,51 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
   /// default. Empty: it is.
   std::string disabledBy() const;
 
-  void onCloud(std::size_t radar, const sensor_msgs::PointCloud2ConstPtr& cloud);
-  void warnOfSilentRadars();
+  void setUpRotation();
+  void onMessage(std::size_t index, const RadarMessage& message);
+  /// @return true when there is nothing more to wait for
+  bool warnOfSilentRadars();
+  /// Topics with messages of radars that are not those of a radar here, for a text.
+  std::string otherClouds() const;
 
   void processSweep(const Sweep& sweep);
   /// The mount of a scan; none, with the reason in `error`, where it is not known.
-  std::optional<Eigen::Isometry3d> mountOf(Radar& radar, const std::string& frame, std::string& error);
+  std::optional<Eigen::Isometry3d> findMount(Radar& radar, const std::string& frame, std::string& error);
+  /// s since TF was asked in vain for the mount of this frame first.
+  double missingFor(const std::string& frame);
+  /// Puts a configured mount on TF, for all others that use the clouds.
+  void publishMount(Radar& radar, const std::string& frame);
+  /// Once, when all mounts are known: warns of a model that they do not suit.
+  void assessMountsOnce();
+  /// Compares the radars with each other, and with the source of rotation.
+  void compare(const Sweep& sweep, const std::vector<RadarScan>& scans, const EgoVelocityResult& result,
+               const std::optional<AngularVelocity>& rotation);
   void publishStatus(const ros::Time& stamp, const EgoVelocityResult& result, const Readings& readings,
                      const std::string& reason, double computation_time);
   void publishTwist(const ros::Time& stamp, const SweepEstimate& estimate);
-  void publishClouds(const Readings& readings, const EgoVelocityResult& result);
+  void publishClouds(const Readings& readings, const std::vector<RadarScan>& scans,
+                     const EgoVelocityResult& result);
 
   std::vector<std::unique_ptr<Radar>> radars_;
   StreamExpectation radar_expectation_;  // of radars and estimates
   std::optional<Assembler> assembler_;
   std::vector<Sweep> completed_;  // kept between calls for its memory
   SweepEstimator estimator_;
+  RadarAgreement agreement_;
+  bool mounts_assessed_ = false;
+  std::string mount_advice_;
+  std::unique_ptr<RotationSource> rotation_source_;   // none: the returns tell the yaw rate
+  std::optional<EgoVelocityEstimator> own_yaw_rate_;  // of the returns alone, beside the source
+  YawRateComparison rotation_comparison_;
+  std::size_t sweeps_ = 0;
+  bool other_clouds_seen_ = false;  // when the silence was looked at last
   std::unique_ptr<MaskInput> mask_;
   std::map<std::string, ros::WallTime> mount_missing_since_;  // by frame
 
   ros::Publisher twist_publisher_, raw_twist_publisher_, status_publisher_, static_publisher_,
       dynamic_publisher_;
   std::unique_ptr<EstimatorMonitor> estimator_monitor_;
+  std::unique_ptr<tf2_ros::StaticTransformBroadcaster> mount_broadcaster_;
   ros::WallTimer silence_timer_;
 };
 

@@ -111,6 +111,7 @@ void OdometryNodelet::clearHistory() {
 }
 
 void OdometryNodelet::onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) {
+  twist_input_->arrived();
   const std::string defect = twistDefect(*twist, extrinsics_->baseFrame());
   if (!defect.empty()) throw std::invalid_argument(defect);
   acceptStamp(*twist_input_, twist->header);
@@ -131,6 +132,8 @@ void OdometryNodelet::processQueue() {
       if (!pose) {
         ++without_rotation_;
         warn({}, "no rotation at the stamp of a twist from " + rotation_source_->describe());
+      } else {
+        rotation_source_->addVelocity(onWheels(twistOf(*twist)));
       }
     }
     pending_.pop_front();
@@ -191,7 +194,10 @@ StampedTwist OdometryNodelet::usableTwist(const geometry_msgs::TwistWithCovarian
   }
   if (!unobserved_.empty())
     warn({}, "the twist does not observe " + unobserved_ + ": least sideslip assumed");
-  return onWheels(twist);
+  StampedTwist usable = onWheels(twist);
+  // Rates of roll and pitch that nothing levels would tilt the pose by the bias of the gyro.
+  if (!rotation_known) usable.angular.head<2>().setZero();
+  return usable;
 }
 
 void OdometryNodelet::bridgeGap(double gap, double speed) {

@@ -39,7 +39,8 @@ auto dispatch(int parameters, Body&& body) {
   switch (parameters) {
     case 1: return body(std::integral_constant<int, 1>{});
     case 2: return body(std::integral_constant<int, 2>{});
-    default: return body(std::integral_constant<int, 3>{});
+    case 3: return body(std::integral_constant<int, 3>{});
+    default: return body(std::integral_constant<int, ConstraintSystem::kMaxParameters>{});
   }
 }
 
@@ -56,15 +57,17 @@ Array resized(std::vector<float>& values, std::size_t size) {
 template <int N>
 auto residualExpression(const ConstraintSystem& system, const Parameters& x, Eigen::Index first,
                         Eigen::Index count) {
-  const Eigen::Vector3f f = x.cast<float>();
+  const Eigen::Vector4f f = x.cast<float>();
   const auto rhs = system.rightHandSide().segment(first, count);
   const auto column = [&](int k) { return system.column(k).segment(first, count); };
   if constexpr (N == 1) {
     return column(0) * f[0] - rhs;
   } else if constexpr (N == 2) {
     return column(0) * f[0] + column(1) * f[1] - rhs;
-  } else {
+  } else if constexpr (N == 3) {
     return column(0) * f[0] + column(1) * f[1] + column(2) * f[2] - rhs;
+  } else {
+    return column(0) * f[0] + column(1) * f[1] + column(2) * f[2] + column(3) * f[3] - rhs;
   }
 }
 
@@ -294,9 +297,9 @@ bool refineRobust(const ConstraintSystem& system, int iterations, Parameters& so
   });
 }
 
-Eigen::Matrix3d inlierInformation(const ConstraintSystem& system, const std::vector<float>& residuals,
+ParameterMatrix inlierInformation(const ConstraintSystem& system, const std::vector<float>& residuals,
                                   double threshold, SolverScratch& scratch) {
-  Eigen::Matrix3d result = Eigen::Matrix3d::Zero();
+  ParameterMatrix result = ParameterMatrix::Zero();
   resized(scratch.weights, system.rows) =
       (mapped(residuals).abs() < static_cast<float>(threshold)).cast<float>() / mapped(system.variance);
   dispatch(system.parameters, [&](auto n) {

@@ -13,7 +13,7 @@ namespace radar_dot {
 /// A linear system A x = b in columns, so that the residuals of one hypothesis are a few vector
 /// instructions per column. Keeps its memory when it shrinks.
 struct ConstraintSystem {
-  static constexpr int kMaxParameters = 3;
+  static constexpr int kMaxParameters = 4;
 
   int parameters = 0;
   std::size_t rows = 0;
@@ -31,7 +31,9 @@ struct ConstraintSystem {
 };
 
 /// A solution in the parameters of a system; the unused entries are zero.
-using Parameters = Eigen::Vector3d;
+using Parameters = Eigen::Matrix<double, ConstraintSystem::kMaxParameters, 1>;
+using ParameterMatrix =
+    Eigen::Matrix<double, ConstraintSystem::kMaxParameters, ConstraintSystem::kMaxParameters>;
 
 /// Memory the solvers keep between calls.
 struct SolverScratch {
@@ -48,7 +50,7 @@ struct Observability {
   int rank = 0;
   double condition_number = 0.0;  ///< of the unweighted design matrix; infinite when rank-deficient
   /// Orthonormal columns: the constrained directions first, then the free ones. Identity at full rank.
-  Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();
+  ParameterMatrix basis = ParameterMatrix::Identity();
 };
 
 /// Directions whose singular value lies more than `max_condition_number` below the largest count as free.
@@ -85,7 +87,7 @@ bool refineRobust(const ConstraintSystem& system, int iterations, Parameters& so
                   SolverScratch& scratch);
 
 /// Information matrix A' W A over the rows with |residual| < threshold, W = 1 / variance.
-Eigen::Matrix3d inlierInformation(const ConstraintSystem& system, const std::vector<float>& residuals,
+ParameterMatrix inlierInformation(const ConstraintSystem& system, const std::vector<float>& residuals,
                                   double threshold, SolverScratch& scratch);
 
 }  // namespace radar_dot

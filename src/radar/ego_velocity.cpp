@@ -28,9 +28,13 @@ struct EgoVelocityEstimator::Workspace {
     bool usable;  ///< finite; else the row is zero and takes no part
   };
 
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
   explicit Workspace(const EgoVelocityParams& parameters) : params(parameters) { validate(params); }
 
   const EgoVelocityParams params;
+  ModelAxes model{};  ///< of this estimate
+  std::optional<AngularVelocity> known;
   std::vector<Row> rows;
   ConstraintSystem all;              ///< every accepted return, the model's own parameters
   ConstraintSystem active;           ///< returns that may be static, reduced to the observed directions
@@ -48,6 +52,12 @@ struct EgoVelocityEstimator::Workspace {
     return {
         Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), Eigen::Vector2f::Zero(), 0.F, 0.F, false, false};
   }
+  /// The row's element in the column of an axis of vx vy vz wx wy wz: of [u, t x u].
+  static float coefficient(const Row& row, int axis) {
+    if (axis < 3) return row.bearing[axis];
+    const int j = (axis + 1) % 3, k = (axis + 2) % 3;
+    return row.bearing[k] * row.mount[j] - row.bearing[j] * row.mount[k];
+  }
   void stack(const std::vector<RadarScan>& scans, double reference_time, const Eigen::Vector3d& acceleration);
   void setVariance(const Parameters& solution);
   bool solvePass(const ConstraintSystem& system, bool consensus, Parameters& solution);
@@ -55,10 +65,11 @@ struct EgoVelocityEstimator::Workspace {
   EstimateStatus noConsensus(std::size_t agreeing, double within);
   EstimateStatus singular();
   void finish(const Observability& observability, const Parameters& reduced);
-  Eigen::Matrix3d reducedCovariance(double threshold, double widening);
+  ParameterMatrix inverseInformation(double threshold);
+  ParameterMatrix reducedCovariance(const ParameterMatrix& inverse, double widening) const;
+  void setCovariance(const ParameterMatrix& inverse, double widening, const ParameterMatrix& basis);
+  void addGiven(const ParameterMatrix& parameters_from_rows);
   void label();
-  /// Nothing is known: zero velocity, every axis with unobserved_variance.
-  void clearVelocity();
   void refuse(EstimateStatus status);
 
   static void gather(const ConstraintSystem& from, const std::vector<std::size_t>& which,
@@ -90,7 +101,9 @@ void EgoVelocityEstimator::Workspace::stack(const std::vector<RadarScan>& scans,
     const Eigen::Matrix3f R_base_from_sensor = scan.T_base_from_sensor.linear().cast<float>();
     const Eigen::Vector3f mount = scan.T_base_from_sensor.translation().cast<float>();
     const auto delay = static_cast<float>(reference_time - scan.time);
-    const Eigen::Vector3f velocity_change = (acceleration * (reference_time - scan.time)).cast<float>();
+    Eigen::Vector3d change = acceleration * (reference_time - scan.time);
+    if (known) change -= known->rate.cross(scan.T_base_from_sensor.translation());
+    const Eigen::Vector3f velocity_change = change.cast<float>();
     for (std::size_t i = 0; i < scan.returns.size(); ++i) {
       const DopplerReturn& measured = scan.returns[i];
       Row row;
@@ -99,7 +112,7 @@ void EgoVelocityEstimator::Workspace::stack(const std::vector<RadarScan>& scans,
       row.mount = mount;
       row.position = (mount + measured.range * (R_base_from_sensor * measured.bearing)).head<2>();
       row.delay = delay;
-      // v at the scan = v at the reference time - a (t_ref - t).
+      // v at the scan = v at the reference time - a (t_ref - t); at the radar, a known w x t more.
       row.right_hand_side = -seen.doppler + row.bearing.dot(velocity_change);
       row.usable = row.mount.allFinite() && row.position.allFinite() && std::isfinite(row.right_hand_side) &&
                    std::isfinite(row.delay);
@@ -110,16 +123,12 @@ void EgoVelocityEstimator::Workspace::stack(const std::vector<RadarScan>& scans,
   }
   result.offsets.push_back(rows.size());
 
-  const ModelAxes model = axesOf(params.model);
   all.resize(model.count, rows.size());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(model.count); ++k) {
+    for (std::size_t i = 0; i < rows.size(); ++i) all.columns[k][i] = coefficient(rows[i], model.axes[k]);
+  }
   indices.clear();
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Eigen::Vector3f& u = rows[i].bearing;
-    for (int k = 0; k < model.count; ++k) {
-      const int axis = model.axes[static_cast<std::size_t>(k)];
-      all.columns[static_cast<std::size_t>(k)][i] =
-          axis < 3 ? u[axis] : u.y() * rows[i].mount.x() - u.x() * rows[i].mount.y();  // (t x u)_z
-    }
     all.right_hand_side[i] = rows[i].right_hand_side;
     all.variance[i] = static_cast<float>(params.noise.doppler_std * params.noise.doppler_std);
     if (!rows[i].usable || rows[i].known_dynamic) continue;
@@ -130,19 +139,22 @@ void EgoVelocityEstimator::Workspace::stack(const std::vector<RadarScan>& scans,
 
 /// A bearing that is off by delta shifts the Doppler by delta times the speed across the line of sight.
 void EgoVelocityEstimator::Workspace::setVariance(const Parameters& solution) {
-  const ModelAxes model = axesOf(params.model);
   Eigen::Vector3f linear = Eigen::Vector3f::Zero();
-  float yaw_rate = 0.F;
+  Eigen::Vector3f angular = known ? known->rate.cast<float>() : linear;
   for (int k = 0; k < model.count; ++k) {
     const int axis = model.axes[static_cast<std::size_t>(k)];
-    (axis < 3 ? linear[axis] : yaw_rate) = static_cast<float>(solution[k]);
+    (axis < 3 ? linear[axis] : angular[axis - 3]) = static_cast<float>(solution[k]);
   }
   const auto doppler_variance = static_cast<float>(params.noise.doppler_std * params.noise.doppler_std);
   const auto azimuth_variance = static_cast<float>(params.noise.azimuth_std * params.noise.azimuth_std);
+  Eigen::Vector3f sensor_velocity = linear;
+  std::size_t scan = 0;  // the next one
   for (std::size_t j = 0; j < indices.size(); ++j) {
     const Row& row = rows[indices[j]];
-    const Eigen::Vector3f sensor_velocity =
-        linear + Eigen::Vector3f(-yaw_rate * row.mount.y(), yaw_rate * row.mount.x(), 0.F);
+    if (indices[j] >= result.offsets[scan]) {
+      while (indices[j] >= result.offsets[scan]) ++scan;
+      sensor_velocity = linear + angular.cross(row.mount);
+    }
     const float along = row.bearing.dot(sensor_velocity);
     const float across_squared = std::max(0.F, sensor_velocity.squaredNorm() - along * along);
     active.variance[j] = doppler_variance + azimuth_variance * across_squared;
@@ -154,8 +166,7 @@ bool EgoVelocityEstimator::Workspace::solvePass(const ConstraintSystem& system, 
   if (params.solver == Solver::kLeastSquares) return solveLeastSquares(system, solution, scratch);
   if (!consensus) return refineRobust(system, params.robust_iterations, solution, scratch);
   // Directions of a projected system are of length 1; the yaw rate has the lever arm as its column.
-  const bool has_lever_arm = system.parameters == all.parameters && params.model != MotionModel::kPlanar &&
-                             params.model != MotionModel::kSpatial;
+  const bool has_lever_arm = system.parameters == all.parameters && model.estimatesYawRate();
   const RansacParams ransac{params.seed, params.ransac_iterations, params.inlier_threshold,
                             has_lever_arm ? lever_arm : 1.0};
   return solveRansac(system, ransac, solution, scratch) &&
@@ -171,7 +182,8 @@ EstimateStatus EgoVelocityEstimator::Workspace::solve(Observability& observabili
   result.condition_number = observability.condition_number;
   const bool only_forward = params.model == MotionModel::kAckermann && observability.rank == 1 &&
                             std::abs(observability.basis(0, 0)) > 0.999;
-  if (observability.rank < 2 && !only_forward) return EstimateStatus::kDegenerateBearings;
+  if (observability.rank < std::min(2, model.count) && !only_forward)
+    return EstimateStatus::kDegenerateBearings;
   if (observability.rank < all.parameters) {
     projectSystem(pass, observability, active);
   } else {
@@ -214,16 +226,23 @@ EstimateStatus EgoVelocityEstimator::Workspace::singular() {
   return EstimateStatus::kNoConsensus;
 }
 
+/// (A' W A)^-1 over the inliers, whose weights stay in the scratch memory.
+ParameterMatrix EgoVelocityEstimator::Workspace::inverseInformation(double threshold) {
+  const int rank = active.parameters;
+  ParameterMatrix information = inlierInformation(active, residuals, threshold, scratch);
+  for (int k = rank; k < information.cols(); ++k) information(k, k) = 1.0;
+  return information.ldlt().solve(ParameterMatrix::Identity());
+}
+
 /// Covariance of weighted least squares, with information I = A' W A and W = 1 / variance:
 ///     widening I^-1  +  scan_std^2 I^-1 (sum over scans g g') I^-1,   g = A' W 1 over the scan,
 /// the second term for an error common to the returns of a scan. `widening` is above 1 where the
 /// residuals exceed the noise model. Free directions follow with unobserved_variance.
-Eigen::Matrix3d EgoVelocityEstimator::Workspace::reducedCovariance(double threshold, double widening) {
+ParameterMatrix EgoVelocityEstimator::Workspace::reducedCovariance(const ParameterMatrix& inverse,
+                                                                   double widening) const {
   const int rank = active.parameters;
-  Eigen::Matrix3d information = inlierInformation(active, residuals, threshold, scratch);
-  for (int k = rank; k < 3; ++k) information(k, k) = 1.0;
-  Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d of_scan = Eigen::Vector3d::Zero();
+  ParameterMatrix gram = ParameterMatrix::Zero();
+  Parameters of_scan = Parameters::Zero();
   std::size_t scan = 0;
   for (std::size_t i = 0; i <= active.rows; ++i) {
     while (i == active.rows ? scan + 1 < result.offsets.size() : indices[i] >= result.offsets[scan + 1]) {
@@ -236,16 +255,68 @@ Eigen::Matrix3d EgoVelocityEstimator::Workspace::reducedCovariance(double thresh
       of_scan[k] += static_cast<double>(scratch.weights[i] * active.columns[static_cast<std::size_t>(k)][i]);
     }
   }
-  const Eigen::Matrix3d inverse = information.ldlt().solve(Eigen::Matrix3d::Identity());
-  Eigen::Matrix3d covariance =
+  ParameterMatrix covariance =
       widening * inverse + params.scan_std * params.scan_std * inverse * gram * inverse;
-  for (int k = rank; k < 3; ++k) covariance(k, k) = params.unobserved_variance;
+  for (int k = rank; k < covariance.cols(); ++k) covariance(k, k) = params.unobserved_variance;
   return covariance;
+}
+
+void EgoVelocityEstimator::Workspace::setCovariance(const ParameterMatrix& inverse, double widening,
+                                                    const ParameterMatrix& basis) {
+  const int rank = active.parameters;
+  const int free = model.count - rank;
+  ParameterMatrix scaled = basis;
+  double least = 1.0;  // share of a free axis in the free directions
+  for (int i = 0; i < model.count; ++i) {
+    const double share = basis.row(i).segment(rank, free).squaredNorm();
+    if (share > 0.0) least = std::min(least, share);
+    result.observed[static_cast<std::size_t>(model.axes[static_cast<std::size_t>(i)])] = share == 0.0;
+  }
+  scaled.middleCols(rank, free) /= std::sqrt(least);
+  const ParameterMatrix covariance = scaled * reducedCovariance(inverse, widening) * scaled.transpose();
+  for (int i = 0; i < model.count; ++i) {
+    for (int j = 0; j < model.count; ++j)
+      result.covariance(model.axes[static_cast<std::size_t>(i)], model.axes[static_cast<std::size_t>(j)]) =
+          covariance(i, j);
+  }
+  addGiven(basis.leftCols(rank) * inverse.topRows(rank));
+}
+
+/// What is not estimated but has a variance, vy of the ackermann model and a known angular velocity, moves
+/// the solution by -(A' W A)^-1 A' W C times its error, with the columns C of its axes.
+/// @param parameters_from_rows  (A' W A)^-1, from the parameters of `active` to those of the model
+void EgoVelocityEstimator::Workspace::addGiven(const ParameterMatrix& parameters_from_rows) {
+  const bool no_sideslip = params.model == MotionModel::kAckermann;
+  if (!no_sideslip && !known) return;
+  Matrix6 given = Matrix6::Zero();
+  if (no_sideslip) given(1, 1) = params.sideslip_std * params.sideslip_std;
+  if (known) given.bottomRightCorner<3, 3>() = known->covariance;
+  Matrix6 spread = Matrix6::Zero();
+  for (int axis = 1; axis < 6; ++axis) {
+    if (!(no_sideslip && axis == 1) && !(known && axis >= 3)) continue;
+    spread(axis, axis) = 1.0;
+    result.covariance(axis, axis) = 0.0;
+    if (axis >= 3) {
+      result.angular[axis - 3] = known->rate[axis - 3];
+      result.observed[static_cast<std::size_t>(axis)] = true;
+      result.sources[static_cast<std::size_t>(axis)] = AxisSource::kGiven;
+    }
+    scratch.residuals.resize(active.rows);
+    for (std::size_t i = 0; i < active.rows; ++i)
+      scratch.residuals[i] = coefficient(rows[indices[i]], axis) * scratch.weights[i];
+    const Eigen::Map<const Eigen::ArrayXf> column(scratch.residuals.data(),
+                                                  static_cast<Eigen::Index>(active.rows));
+    Parameters moments = Parameters::Zero();
+    for (int k = 0; k < active.parameters; ++k)
+      moments[k] = static_cast<double>((column * active.column(k)).sum());
+    const Parameters moved = -(parameters_from_rows * moments);
+    for (int k = 0; k < model.count; ++k) spread(model.axes[static_cast<std::size_t>(k)], axis) = moved[k];
+  }
+  result.covariance += spread * given * spread.transpose();
 }
 
 void EgoVelocityEstimator::Workspace::finish(const Observability& observability, const Parameters& reduced) {
   const int rank = active.parameters;
-  const ModelAxes model = axesOf(params.model);
   evaluateResiduals(active, reduced, residuals);
   double sum = 0.0;
   double chi_squared = 0.0;
@@ -261,24 +332,15 @@ void EgoVelocityEstimator::Workspace::finish(const Observability& observability,
 
   const double freedom = static_cast<double>(result.inlier_count) - rank;
   const double widening = freedom > 0.0 ? std::max(1.0, chi_squared / freedom) : 1.0;
-  const Eigen::Matrix3d reduced_covariance = reducedCovariance(threshold, widening);
-  const Eigen::Matrix3d basis = removeTrails(observability.basis, rank, model.count);
-  const Parameters solution =
-      leastSideslipMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
-  const Eigen::Matrix3d covariance = basis * reduced_covariance * basis.transpose();
-
-  if (params.model == MotionModel::kAckermann)
-    result.covariance(1, 1) = params.sideslip_std * params.sideslip_std;
-  result.fully_observed = rank == model.count;
+  const ParameterMatrix basis = removeTrails(observability.basis, rank, model.count);
+  const Parameters solution = likeliestMember(model, basis, rank, basis.leftCols(rank) * reduced.head(rank));
   for (int i = 0; i < model.count; ++i) {
-    const int row_axis = model.axes[static_cast<std::size_t>(i)];
-    (row_axis < 3 ? result.linear[row_axis] : result.angular[row_axis - 3]) = solution[i];
-    result.observed[static_cast<std::size_t>(row_axis)] =
-        basis.row(i).segment(rank, model.count - rank).isZero(0.0);
-    for (int j = 0; j < model.count; ++j) {
-      result.covariance(row_axis, model.axes[static_cast<std::size_t>(j)]) = covariance(i, j);
-    }
+    const int axis = model.axes[static_cast<std::size_t>(i)];
+    (axis < 3 ? result.linear[axis] : result.angular[axis - 3]) = solution[i];
+    result.sources[static_cast<std::size_t>(axis)] = AxisSource::kEstimated;
   }
+  result.fully_observed = rank == model.count;
+  setCovariance(inverseInformation(threshold), widening, basis);
 
   if (!solution.allFinite() || !result.covariance.allFinite()) {
     result.status = EstimateStatus::kDegenerateBearings;
@@ -311,7 +373,8 @@ void EgoVelocityEstimator::Workspace::refuse(EstimateStatus status) {
   result.status = status;
   switch (status) {
     case EstimateStatus::kOk:
-    case EstimateStatus::kNoConsensus: break;  // whoever found it has said why
+    case EstimateStatus::kNoConsensus:
+    case EstimateStatus::kAmbiguous: break;  // whoever found it has said why
     case EstimateStatus::kTooFewReturns:
       result.reason = fmt::format("{} accepted returns, {} needed", result.return_count, params.min_returns);
       break;
@@ -320,17 +383,18 @@ void EgoVelocityEstimator::Workspace::refuse(EstimateStatus status) {
                                   result.return_count, std::string(toString(params.model)));
       break;
   }
-  clearVelocity();
+  result.clearVelocity(params.unobserved_variance);
   result.residuals.clear();
   result.labels.clear();
 }
 
-void EgoVelocityEstimator::Workspace::clearVelocity() {
-  result.linear.setZero();
-  result.angular.setZero();
-  result.covariance = Eigen::Matrix<double, 6, 6>::Identity() * params.unobserved_variance;
-  result.observed.fill(false);
-  result.fully_observed = false;
+void EgoVelocityResult::clearVelocity(double unobserved_variance) {
+  linear.setZero();
+  angular.setZero();
+  covariance = Eigen::Matrix<double, 6, 6>::Identity() * unobserved_variance;
+  observed.fill(false);
+  sources.fill(AxisSource::kAssumed);
+  fully_observed = false;
 }
 
 EgoVelocityEstimator::EgoVelocityEstimator(const EgoVelocityParams& params)
@@ -342,18 +406,22 @@ EgoVelocityEstimator& EgoVelocityEstimator::operator=(EgoVelocityEstimator&&) no
 const EgoVelocityParams& EgoVelocityEstimator::params() const noexcept { return workspace_->params; }
 
 EgoVelocityResult EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans, double reference_time,
-                                                 const Eigen::Vector3d& acceleration) {
+                                                 const Eigen::Vector3d& acceleration,
+                                                 const std::optional<AngularVelocity>& known) {
   EgoVelocityResult result;
-  estimate(scans, reference_time, acceleration, result);
+  estimate(scans, reference_time, acceleration, result, known);
   return result;
 }
 
 void EgoVelocityEstimator::estimate(const std::vector<RadarScan>& scans, double reference_time,
-                                    const Eigen::Vector3d& acceleration, EgoVelocityResult& result) {
+                                    const Eigen::Vector3d& acceleration, EgoVelocityResult& result,
+                                    const std::optional<AngularVelocity>& known) {
   Workspace& w = *workspace_;
+  w.known = known && known->rate.allFinite() && known->covariance.allFinite() ? known : std::nullopt;
+  w.model = axesOf(w.params.model, w.known.has_value());
   w.result = std::move(result);
   w.result.reason.clear();
-  w.clearVelocity();
+  w.result.clearVelocity(w.params.unobserved_variance);
   w.result.condition_number = w.result.rms = 0.0;
   w.result.return_count = w.result.inlier_count = w.result.dynamic_count = 0;
 

@@ -13,21 +13,24 @@ namespace radar_dot {
 /// Where the parameters of each model stand in vx vy vz wx wy wz.
 struct ModelAxes {
   int count;
-  std::array<int, 3> axes;
+  std::array<int, ConstraintSystem::kMaxParameters> axes;
+  int least;  ///< the axis that is most likely near zero: vy of a vehicle on wheels, the yaw rate of others
+
+  bool estimatesYawRate() const { return axes[static_cast<std::size_t>(count - 1)] == 5; }
 };
 
-ModelAxes axesOf(MotionModel model) noexcept;
+/// @param turn_known  the angular velocity is given: the yaw rate is no parameter
+ModelAxes axesOf(MotionModel model, bool turn_known) noexcept;
 
 /// Moves a solution along the free directions (the columns of `basis` from `rank`) to the member of its
-/// family with the least sideslip and vertical velocity (and, after them, the least forward velocity
-/// and yaw rate). The returns cannot tell the members apart; a vehicle on wheels is most likely near
-/// this one.
-Parameters leastSideslipMember(const ModelAxes& model, const Eigen::Matrix3d& basis, int rank,
+/// family with the least motion along the model's axis `least` and the vertical (and, after them, along the
+/// others), near which the vehicle most likely is. The returns cannot tell the members apart.
+Parameters likeliestMember(const ModelAxes& model, const ParameterMatrix& basis, int rank,
                            const Parameters& solution);
 
-/// The basis with small components of its free directions set to zero. A radar a centimetre beside
-/// the centre line leaves vx free by a hundredth of the yaw rate, which is no news; with the variance
-/// of a free direction it would still pass for unobserved.
-Eigen::Matrix3d removeTrails(Eigen::Matrix3d basis, int rank, int parameters);
+/// The basis without the axes that the free directions hardly touch. A radar a centimetre beside the centre
+/// line leaves vx free by a hundredth of the yaw rate, which is no news; with the variance of a free
+/// direction it would still pass for unobserved.
+ParameterMatrix removeTrails(ParameterMatrix basis, int rank, int parameters);
 
 }  // namespace radar_dot

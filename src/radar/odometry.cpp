@@ -4,16 +4,9 @@
 
 #include <cmath>
 
+#include "radar_dot/common/base_motion.h"
+
 namespace radar_dot {
-namespace {
-
-Eigen::Quaterniond rotationOf(const Eigen::Vector3d& rotation_vector) {
-  const double angle = rotation_vector.norm();
-  if (angle < 1e-12) return Eigen::Quaterniond::Identity();
-  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation_vector / angle));
-}
-
-}  // namespace
 
 void VelocityIntegrator::reset(const Eigen::Isometry3d& T_odom_from_base) {
   state_ = State{};

@@ -92,6 +92,9 @@ std::vector<SensorVelocity> sensorVelocities(const std::vector<RadarScan>& scans
       sensor->radar = scan.radar;
       sensor->time = scan.time;
       sensor->lever_arm = lever_arm.head<2>();
+      // Roll and pitch rates move a radar at a height, which the motion in the plane does not know.
+      const Eigen::Vector3d rolling(result.angular.x(), result.angular.y(), 0.0);
+      sensor->velocity -= rolling.cross(lever_arm).head<2>();
       sensors.push_back(*sensor);
     }
   }

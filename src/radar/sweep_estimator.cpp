@@ -38,22 +38,39 @@ void SweepEstimator::configure(const SweepEstimatorParams& params) {
 
 void SweepEstimator::turnBearings(std::vector<RadarScan>& scans) const {
   for (RadarScan& scan : scans) {
-    const bool known = latest_ && std::abs(scan.time - latest_->time) < kMaxTurningAge;
-    scan.bearing_rotation = known ? bearing_delay_ * latest_->angular.z() : 0.0;
+    const bool known = turning_ && std::abs(scan.time - turning_->time) < kMaxTurningAge;
+    scan.bearing_rotation = known ? bearing_delay_ * turning_->angular.z() : 0.0;
   }
 }
 
-SweepEstimate SweepEstimator::estimate(std::vector<RadarScan>& scans, double time) {
+std::optional<StampedTwist> SweepEstimator::latestVelocity() const {
+  if (!latest_ || latest_->observes(0) || !filters_ || !filter_.started()) return latest_;
+  EgoVelocityResult single;
+  single.linear = latest_->linear;
+  single.angular = latest_->angular;
+  single.covariance = latest_->covariance;
+  const EgoVelocityResult filtered = filteredResult(filter_.at(latest_->time), single);
+  return StampedTwist{latest_->time, filtered.linear, filtered.angular, filtered.covariance};
+}
+
+SweepEstimate SweepEstimator::estimate(std::vector<RadarScan>& scans, double time,
+                                       const std::optional<AngularVelocity>& known) {
+  if (known && known->rate.allFinite()) turning_ = StampedTwist{time, Eigen::Vector3d::Zero(), known->rate};
   turnBearings(scans);
-  SweepEstimate estimate{estimator_.estimate(scans, time, acceleration(time)), std::nullopt, filters_};
+  const auto latest = DopplerUnwrapping::needed(scans) ? latestVelocity() : std::nullopt;
+  SweepEstimate estimate{unwrapping_.estimate(estimator_, scans, time, acceleration(time), latest, known),
+                         std::nullopt, filters_ && params().model != MotionModel::kSpatial,
+                         unwrapping_.assumption()};
   const EgoVelocityResult& single = estimate.single;
   if (!single.valid()) return estimate;
-  latest_ = StampedTwist{time, single.linear, single.angular};
+  latest_ = turning_ = StampedTwist{time, single.linear, single.angular, single.covariance};
   if (single.observed[0]) tracker_.add(time, single.linear);
-  if (!filters_) return estimate;
+  if (!estimate.filters) return estimate;
 
   std::vector<SensorVelocity> sensors;
-  if (filters_radars_) sensors = sensorVelocities(scans, single, estimator_.params());
+  // Without a yaw rate the radars contradict one another in every turn.
+  if (filters_radars_ && single.sources[5] != AxisSource::kAssumed)
+    sensors = sensorVelocities(scans, single, estimator_.params());
   const bool was_started = filter_.started();
   const VelocityFilter::Outcome outcome = filter_.update(time, single, sensors);
   if (outcome != VelocityFilter::Outcome::kStale) {
@@ -67,6 +84,7 @@ void SweepEstimator::reset() {
   tracker_.reset();
   filter_.reset();
   latest_.reset();
+  turning_.reset();
 }
 
 }  // namespace radar_dot

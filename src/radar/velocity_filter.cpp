@@ -86,6 +86,12 @@ double VelocityFilter::mountYaw(std::size_t radar) const {
   return radar < last_scan_.size() ? state_[kMotion + static_cast<Eigen::Index>(radar)] : 0.0;
 }
 
+double VelocityFilter::mountYawVariance(std::size_t radar) const {
+  if (radar >= last_scan_.size()) return params_.mount_yaw_std * params_.mount_yaw_std;
+  const Eigen::Index mount = kMotion + static_cast<Eigen::Index>(radar);
+  return covariance_(mount, mount);
+}
+
 void VelocityFilter::addMounts(std::size_t count) {
   if (count <= last_scan_.size()) return;
   const Eigen::Index before = state_.size();
@@ -108,6 +114,9 @@ void VelocityFilter::start(double time, const Eigen::Vector3d& velocity, const E
   covariance_(3, 3) = kStartAcceleration * kStartAcceleration;
   covariance_(4, 4) = kStartLateralAcceleration * kStartLateralAcceleration;
   covariance_(5, 5) = kStartYawAcceleration * kStartYawAcceleration;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (assumed_[static_cast<std::size_t>(i)]) covariance_(3 + i, 3 + i) = 0.0;
+  }
   time_ = last_update_ = time;
   rejected_ = 0;
   started_ = true;
@@ -120,8 +129,8 @@ bool VelocityFilter::acceptsTime(double time) const {
 namespace {
 
 /// Transition and process noise of the motion over dt.
-void motionModel(const VelocityFilterParams& params, double speed, double dt, Eigen::Matrix<double, 6, 6>& F,
-                 Eigen::Matrix<double, 6, 6>& Q) {
+void motionModel(const VelocityFilterParams& params, const std::array<bool, 3>& assumed, double speed,
+                 double dt, Eigen::Matrix<double, 6, 6>& F, Eigen::Matrix<double, 6, 6>& Q) {
   const double v = std::max(std::abs(speed), kLeastSpeed);
   const double yaw = std::min(params.curvature_rate * v, params.yaw_jerk / v);
   const Decay decay(dt, params.yaw_acceleration_time);
@@ -136,6 +145,7 @@ void motionModel(const VelocityFilterParams& params, double speed, double dt, Ei
                                                 yaw * yaw * coloured};
   Q.setZero();
   for (Eigen::Index i = 0; i < 3; ++i) {
+    if (assumed[static_cast<std::size_t>(i)]) continue;
     const Eigen::Matrix2d& q = noise[static_cast<std::size_t>(i)];
     Q(i, i) = q(0, 0);
     Q(i, i + 3) = Q(i + 3, i) = q(0, 1);
@@ -150,7 +160,7 @@ void VelocityFilter::predict(double time) {
   if (!(dt > 0.0)) return;
   Eigen::Matrix<double, 6, 6> F;
   Eigen::Matrix<double, 6, 6> Q;
-  motionModel(params_, state_[0], dt, F, Q);
+  motionModel(params_, assumed_, state_[0], dt, F, Q);
   const Eigen::Index mounts = state_.size() - kMotion;
   state_.head<kMotion>() = (F * state_.head<kMotion>()).eval();
   covariance_.topLeftCorner<kMotion, kMotion>() =
@@ -163,7 +173,7 @@ void VelocityFilter::predict(double time) {
 VelocityFilter::State VelocityFilter::at(double time) const {
   Eigen::Matrix<double, 6, 6> F;
   Eigen::Matrix<double, 6, 6> Q;
-  motionModel(params_, state_[0], std::max(0.0, time - time_), F, Q);
+  motionModel(params_, assumed_, state_[0], std::max(0.0, time - time_), F, Q);
   const Eigen::Matrix<double, 6, 1> x = F * state_.head<kMotion>();
   const Eigen::Matrix<double, 6, 6> P = F * covariance_.topLeftCorner<kMotion, kMotion>() * F.transpose() + Q;
   return {std::max(time, time_), x.head<3>(), x.tail<3>(), P.topLeftCorner<3, 3>()};
@@ -174,9 +184,12 @@ bool VelocityFilter::correct(const Measurement& m) {
   const Eigen::LDLT<Eigen::MatrixXd> spread = (m.jacobian * cross + m.noise).eval().ldlt();
   const double distance = m.innovation.dot(spread.solve(m.innovation));
   if (!(distance <= kGate[static_cast<std::size_t>(m.innovation.size() - 1)])) return false;
-  const Eigen::MatrixXd gain = spread.solve(cross.transpose()).transpose();
+  Eigen::MatrixXd gain = spread.solve(cross.transpose()).transpose();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (assumed_[static_cast<std::size_t>(i)]) gain.row(i).setZero();
+  }
   state_ += gain * m.innovation;
-  // Joseph form: stays symmetric and positive, also with free directions of variance 1e6.
+  // Joseph form: right for any gain; stays symmetric and positive, also with free directions of variance 1e6.
   const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(state_.size(), state_.size()) - gain * m.jacobian;
   covariance_ = (rest * covariance_ * rest.transpose() + gain * m.noise * gain.transpose()).eval();
   return true;
@@ -185,7 +198,7 @@ bool VelocityFilter::correct(const Measurement& m) {
 /// The slip is a process with a correlation time, not new at every update: the noise of a single
 /// pseudo-measurement is widened so that those of one correlation time together weigh about one.
 void VelocityFilter::constrainSlip(double interval) {
-  if (params_.lateral_slip_std <= 0.0 || !(interval > 0.0)) return;
+  if (params_.lateral_slip_std <= 0.0 || !(interval > 0.0) || assumed_[1]) return;
   const double std = params_.lateral_slip_std * std::abs(state_[0]) + kSlipFloor;
   Measurement slip;
   slip.innovation = Eigen::VectorXd::Constant(1, -state_[1]);
@@ -232,11 +245,33 @@ VelocityFilter::Measurement VelocityFilter::measurementOf(const SensorVelocity& 
   return measured;
 }
 
+/// What the estimate says beside its assumptions. With S = P_ea / P_aa it has moved by S times the error of
+/// an assumed axis, which is the filter's own error of that axis; the rest of its covariance is noise.
+VelocityFilter::Measurement VelocityFilter::jointMeasurement(const Eigen::Vector3d& velocity,
+                                                             Eigen::Matrix3d covariance) const {
+  Measurement joint;
+  joint.innovation = velocity - state_.head<3>();
+  joint.jacobian = Eigen::MatrixXd::Identity(3, state_.size());
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (!assumed_[static_cast<std::size_t>(i)]) continue;
+    const Eigen::Vector3d moved = covariance.col(i) / covariance(i, i);
+    joint.jacobian.col(i) -= moved;  // a row of zeros for the axis itself
+    covariance -= (moved * covariance.row(i)).eval();
+    covariance(i, i) = 1.0;
+    joint.innovation[i] = 0.0;
+  }
+  joint.noise = covariance;
+  return joint;
+}
+
 VelocityFilter::Outcome VelocityFilter::update(double time, const Eigen::Vector3d& velocity,
                                                const Eigen::Matrix3d& covariance,
-                                               const std::vector<SensorVelocity>& sensors) {
+                                               const std::vector<SensorVelocity>& sensors,
+                                               const Sources& sources) {
   if (!acceptsTime(time) || !velocity.allFinite() || !covariance.allFinite()) return Outcome::kStale;
-  if (!started_ || time - last_update_ > params_.max_gap) {
+  const std::array<bool, 3> before = assumed_;
+  for (std::size_t i = 0; i < 3; ++i) assumed_[i] = sources[i] == AxisSource::kAssumed;
+  if (!started_ || time - last_update_ > params_.max_gap || assumed_ != before) {
     start(time, velocity, covariance);
     return Outcome::kStarted;
   }
@@ -246,10 +281,8 @@ VelocityFilter::Outcome VelocityFilter::update(double time, const Eigen::Vector3
 
   if (sensors.empty()) {
     predict(time);
-    Measurement joint;
-    joint.innovation = velocity - state_.head<3>();
-    joint.jacobian = Eigen::MatrixXd::Identity(3, state_.size());
-    joint.noise = widening(time - last_update_) * covariance;
+    Measurement joint = jointMeasurement(velocity, covariance);
+    joint.noise *= widening(time - last_update_);
     const bool used = correct(joint);
     return conclude(time, velocity, covariance, used ? 1 : 0, used ? 0 : 1);
   }
@@ -274,6 +307,15 @@ VelocityFilter::Outcome VelocityFilter::update(double time, const Eigen::Vector3
       ++refused;
     }
   }
+  if (sources[2] == AxisSource::kGiven) {
+    predict(time);
+    Measurement turn;
+    turn.innovation = Eigen::VectorXd::Constant(1, velocity.z() - state_[2]);
+    turn.jacobian = Eigen::MatrixXd::Zero(1, state_.size());
+    turn.jacobian(0, 2) = 1.0;
+    turn.noise = covariance.bottomRightCorner<1, 1>();
+    correct(turn);  // which tells nothing of whether the radars are believed
+  }
   return conclude(time, velocity, covariance, used, refused);
 }
 
@@ -281,10 +323,13 @@ VelocityFilter::Outcome VelocityFilter::update(double time, const EgoVelocityRes
                                                const std::vector<SensorVelocity>& sensors) {
   if (!result.valid()) return Outcome::kStale;
   Eigen::Matrix3d covariance;
+  Sources sources;
   for (Eigen::Index i = 0; i < 3; ++i) {
+    sources[static_cast<std::size_t>(i)] = result.sources[static_cast<std::size_t>(kTwistAxes[i])];
     for (Eigen::Index j = 0; j < 3; ++j) covariance(i, j) = result.covariance(kTwistAxes[i], kTwistAxes[j]);
   }
-  return update(time, {result.linear.x(), result.linear.y(), result.angular.z()}, covariance, sensors);
+  return update(time, {result.linear.x(), result.linear.y(), result.angular.z()}, covariance, sensors,
+                sources);
 }
 
 EgoVelocityResult filteredResult(const VelocityFilter::State& state, const EgoVelocityResult& result) {
@@ -294,6 +339,8 @@ EgoVelocityResult filteredResult(const VelocityFilter::State& state, const EgoVe
   filtered.angular = {result.angular.x(), result.angular.y(), state.velocity.z()};
   filtered.covariance = result.covariance;
   filtered.observed = result.observed;
+  filtered.sources = result.sources;
+  filtered.fully_observed = true;
   for (Eigen::Index i = 0; i < 3; ++i) {
     filtered.covariance.row(kTwistAxes[i]).setZero();
     filtered.covariance.col(kTwistAxes[i]).setZero();
@@ -301,9 +348,11 @@ EgoVelocityResult filteredResult(const VelocityFilter::State& state, const EgoVe
   for (Eigen::Index i = 0; i < 3; ++i) {
     for (Eigen::Index j = 0; j < 3; ++j)
       filtered.covariance(kTwistAxes[i], kTwistAxes[j]) = state.covariance(i, j);
-    filtered.observed[static_cast<std::size_t>(kTwistAxes[i])] = state.covariance(i, i) < kUnobservedVariance;
+    const auto axis = static_cast<std::size_t>(kTwistAxes[i]);
+    const bool assumed = result.sources[axis] == AxisSource::kAssumed;
+    filtered.observed[axis] = !assumed && state.covariance(i, i) < kUnobservedVariance;
+    filtered.fully_observed = filtered.fully_observed && (assumed || filtered.observed[axis]);
   }
-  filtered.fully_observed = filtered.observed[0] && filtered.observed[1] && filtered.observed[5];
   filtered.condition_number = result.condition_number;
   filtered.rms = result.rms;
   filtered.return_count = result.return_count;

@@ -11,6 +11,7 @@
 #include <regex>
 #include <stdexcept>
 
+#include "config/config_file.h"
 #include "parameter_document.h"
 #include "radar_dot/common/did_you_mean.h"
 #include "signal_watch.h"

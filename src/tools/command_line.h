@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "config_file.h"
 #include "radar_dot/common/fields.h"
+#include "radar_dot/config/section.h"
 
 namespace radar_dot::tools {
 

@@ -27,6 +27,7 @@ const char* placeholder(FieldType type) {
     case FieldType::kDouble: return "NUMBER";
     case FieldType::kEnum: return "NAME";
     case FieldType::kIntList:
+    case FieldType::kDoubleList:
     case FieldType::kTextList: return "LIST";
     case FieldType::kBool:
     case FieldType::kText: break;

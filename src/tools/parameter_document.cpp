@@ -83,6 +83,11 @@ struct ValueText {
   }
   std::string operator()(const std::string& text) const { return quoted(text); }
   std::string operator()(const std::vector<int>& list) const { return "[" + toText(list) + "]"; }
+  std::string operator()(const std::vector<double>& list) const {
+    std::string items;
+    for (const double number : list) append(items, (*this)(number), ", ");
+    return "[" + items + "]";
+  }
   std::string operator()(const std::vector<std::string>& list) const {
     std::string items;
     for (const std::string& text : list) append(items, quoted(text), ", ");
@@ -116,6 +121,19 @@ std::string yamlField(const Field& field, const std::string& indent, const char*
          (is_set ? " " + std::visit(ValueText{yamlText}, value) : "") + "\n";
 }
 
+const std::string kOverrides = "Each of these parameters of the section can be set here instead: ";
+
+bool isUnsetOverride(const Field& field) {
+  return field.overrides && std::holds_alternative<std::monostate>(field.get());
+}
+
+std::string namesOfOverrides(const FieldList& fields, const std::string& quote = "") {
+  std::string names;
+  for (const Field& field : fields)
+    if (field.overrides) append(names, quote + field.name + quote, ", ");
+  return names;
+}
+
 /// Its entries, or where there are none one that is made to be shown.
 std::string yamlDictionary(const FieldDictionary& dictionary) {
   std::vector<std::string> keys = dictionary.keys();
@@ -125,7 +143,11 @@ std::string yamlDictionary(const FieldDictionary& dictionary) {
   std::string text = "\n" + comment("  ", dictionary.text) + "  " + mark + dictionary.name + ":\n";
   for (const std::string& key : keys) {
     text += std::string("  ") + mark + "  " + yamlText(key) + ":\n";
-    for (const Field& field : dictionary.entry(key)) text += yamlField(field, "      ", mark);
+    const FieldList fields = dictionary.entry(key);
+    for (const Field& field : fields)
+      if (!isUnsetOverride(field)) text += yamlField(field, "      ", mark);
+    if (const std::string names = namesOfOverrides(fields); !names.empty())
+      text += comment("      ", kOverrides + names);
   }
   if (is_empty) dictionary.erase("name");
   return text;
@@ -167,7 +189,7 @@ void writeMembers(JsonWriter& writer, const FieldList& fields) {
   std::set<std::string> written;
   writer.StartObject();
   for (const Field& field : fields) {
-    if (field.live_only || !written.insert(field.name).second) continue;
+    if (field.live_only || isUnsetOverride(field) || !written.insert(field.name).second) continue;
     writer.Key(field.name);
     const std::string value = std::visit(ValueText{jsonText}, field.get());
     writer.RawValue(value.data(), value.size(), rapidjson::kNumberType);
@@ -217,7 +239,11 @@ std::string parametersMarkdown(const std::vector<Section>& sections) {
       const std::string key = keys.empty() ? "name" : keys.front();
       text +=
           "\n### " + code(dictionary.name) + "\n\n" + dictionary.text + ". Of each, by name:\n" + kTableHead;
-      for (const Field& field : dictionary.entry(key)) text += markdownRow(field);
+      const FieldList entry = dictionary.entry(key);
+      for (const Field& field : entry)
+        if (!field.overrides) text += markdownRow(field);
+      if (const std::string names = namesOfOverrides(entry, "`"); !names.empty())
+        text += "\n" + (kOverrides + names) + ".\n";
       if (keys.empty()) dictionary.erase(key);
     }
   }

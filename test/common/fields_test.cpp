@@ -24,9 +24,13 @@ namespace {
 struct Lamp {
   double power = 5.0;
   std::optional<double> tilt;
+  std::optional<Colour> colour;
+  std::optional<std::array<double, 3>> place;
   void describe(FieldList& fields) {
     fields.add("power", power, "Electric power", "W", {0.0, 100.0});
     fields.add("tilt", tilt, "Angle against the vertical", "rad", {-1.0, 1.0});
+    fields.add("colour", colour, "Colour of its light");
+    fields.add("place", place, "Where it stands", "m", {-9.0, 9.0});
   }
 };
 
@@ -181,6 +185,48 @@ TEST(Fields, DictionariesHoldParametersByName) {
   EXPECT_FALSE(sameFields(street, other));
   lamps.erase("gate");
   EXPECT_EQ(street.lamps.size(), 1U);
+}
+
+TEST(Fields, OptionalOnesHaveAValueOrNone) {
+  Lamp lamp;
+  const FieldList fields = fieldsOf(lamp);
+  const Field &colour = *fields.find("colour"), &place = *fields.find("place");
+  for (const Field* field : {&colour, &place}) EXPECT_EQ(field->get(), FieldValue()) << field->name;
+  colour.setFromText("green");
+  EXPECT_EQ(lamp.colour, Colour::kGreen);
+  place.setFromText("[1, -2.5, 1e-1]");
+  EXPECT_EQ(lamp.place, (std::array<double, 3>{1.0, -2.5, 0.1}));
+  EXPECT_EQ(toText(place.get()), "1, -2.5, 0.1");
+  for (const auto& [text, refusal] :
+       {std::pair("1, 2", "place is 1, 2, must be 3 numbers between -9 and 9 m"),
+        {"1, 2, 10", "place is 1, 2, 10, must be 3 numbers between -9 and 9 m"},
+        {"1, a, 2", "place is '1, a, 2', must be a list of numbers"},
+        {"3", "place is 3, must be 3 numbers between -9 and 9 m"}})
+    EXPECT_EQ(test::refusalOf<InvalidParameter>([&, text = text] { place.setFromText(text); }), refusal);
+  EXPECT_EQ(test::refusalOf<InvalidParameter>([&] { colour.setFromText("blue"); }),
+            "colour is 'blue', must be one of red, green");
+  EXPECT_EQ(lamp.place, (std::array<double, 3>{1.0, -2.5, 0.1}));
+  for (const Field* field : {&colour, &place}) field->setFromText("");
+  EXPECT_FALSE(lamp.place || lamp.colour);
+}
+
+TEST(Fields, OverridesAreCheckedAsWhatTheyOverride) {
+  Street street;
+  std::map<std::string, FieldValue> values;
+  FieldList overrides;
+  overrides.addOverrides(fieldsOf(street), values);
+  EXPECT_EQ(overrides.size(), fieldsOf(street).size());
+  for (const Field& field : overrides) EXPECT_EQ(field.get(), FieldValue()) << field.name;
+  overrides.find("near")->setFromText("3");
+  overrides.find("numbers")->setFromText("[]");
+  overrides.find("colour")->setFromText("green");
+  EXPECT_EQ(values, (std::map<std::string, FieldValue>{
+                        {"near", 3.0}, {"numbers", std::vector<int>()}, {"colour", std::string("green")}}));
+  EXPECT_TRUE(sameFields(street, Street()));
+  EXPECT_EQ(test::refusalOf<InvalidParameter>([&] { overrides.find("near")->setFromText("-1"); }),
+            "near is -1, must be between 0 and 1000 m");
+  overrides.find("near")->setFromText("");
+  EXPECT_EQ(values.count("near"), 0U);
 }
 
 }  // namespace

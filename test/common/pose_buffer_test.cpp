@@ -67,13 +67,30 @@ TEST(PoseBuffer, OnlyLaterPosesAreTaken) {
   EXPECT_EQ(*buffer.latest(), 1.0) << "time may be reset";
 }
 
-TEST(YawIntegrator, IsExactForALinearYawRateAndStartsAnewAfterAGap) {
-  YawIntegrator heading(0.5);
-  EXPECT_TRUE(heading.add(0.0, 0.0));
-  for (int i = 1; i <= 100; ++i) EXPECT_FALSE(heading.add(0.01 * i, 0.2 * 0.01 * i));
-  EXPECT_NEAR(heading.yaw(), 0.1, 1e-12) << "0.2 t integrated over one second";
-  EXPECT_TRUE(heading.add(2.0, 0.3));
-  EXPECT_EQ(heading.yaw(), 0.0);
+TEST(AttitudeIntegrator, IsExactForALinearYawRateAndStartsAnewAfterAGap) {
+  AttitudeIntegrator integrator(0.5);
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  EXPECT_TRUE(integrator.add(0.0, {0.3, -0.4, 0.0}, none));
+  for (int i = 1; i <= 100; ++i) EXPECT_FALSE(integrator.add(0.01 * i, {0.3, -0.4, 0.2 * 0.01 * i}, none));
+  EXPECT_NEAR(yawOf(integrator.attitude()), 0.1, 1e-12) << "0.2 t integrated over one second";
+  EXPECT_NEAR(integrator.attitude().vec().head<2>().norm(), 0.0, 1e-12)
+      << "without gravity nothing holds roll and pitch: the heading alone";
+  EXPECT_FALSE(integrator.isLevel());
+  EXPECT_TRUE(integrator.add(2.0, {0.0, 0.0, 0.3}, none));
+  EXPECT_EQ(yawOf(integrator.attitude()), 0.0);
+}
+
+TEST(AttitudeIntegrator, StartsLevelAndFollowsEveryAxis) {
+  const Eigen::Quaterniond tilted =
+      Eigen::AngleAxisd(-0.2, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX());
+  const Eigen::Vector3d up(0.0, 0.0, AttitudeIntegrator::kGravity), rate(0.5, -0.3, 0.8);
+  AttitudeIntegrator integrator;
+  for (int i = 0; i <= 100; ++i) {
+    const Eigen::AngleAxisd turn(0.01 * i * rate.norm(), rate.normalized());
+    integrator.add(0.01 * i, rate, (tilted * turn).conjugate() * up);
+    EXPECT_NEAR((integrator.attitude() * ((tilted * turn).conjugate() * up) - up).norm(), 0.0, 1e-9);
+  }
+  EXPECT_TRUE(integrator.isLevel());
 }
 
 TEST(HeadingOf, DropsRollAndPitch) {

@@ -6,16 +6,17 @@
 #include <rapidjson/document.h>
 #include <rapidjson/pointer.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
+#include "config/config_file.h"
 #include "fixtures/files.h"
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/refusal.h"
-#include "tools/config_file.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -172,9 +173,18 @@ TEST_F(Evaluation, OneRadarReportsWhatItCanSee) {
 TEST_F(Evaluation, AMountThatIsTurnedIsFound) {
   VelocityEvaluationOptions options;
   options.mount_yaw_corrections = {"RADAR_FRONT_LEFT=0.02"};
-  const VelocityReport report = evaluate(NuscenesFixture::kStraightScene, options);
+  VelocityReport report = evaluate(NuscenesFixture::kStraightScene, options);
   EXPECT_NEAR(report.mounts.at("RADAR_FRONT_LEFT").yaw(), -0.02, 1e-3);
   EXPECT_NEAR(report.mounts.at("RADAR_BACK_RIGHT").yaw(), 0.0, 1e-3);
+
+  // The mount of its entry counts instead of the calibration.
+  options = {};
+  RadarEntry& left = options.ego_velocity.radars["left"];
+  left.topic = "radar_front_left";
+  left.mount_xyz = std::array<double, 3>{2.422, 0.8, 0.78};
+  left.mount_rpy = std::array<double, 3>{0.0, 0.0, 88.4 * M_PI / 180.0 + 0.02};
+  report = evaluate(NuscenesFixture::kStraightScene, options);
+  EXPECT_NEAR(report.mounts.at("RADAR_FRONT_LEFT").yaw(), -0.02, 1e-3);
 }
 
 // Poses of another time are no ground truth.
@@ -230,16 +240,20 @@ TEST_F(Evaluation, JsonHasTheDocumentedKeys) {
 class RealData : public ::testing::Test {
  protected:
   /// The merged report of every scene, as the tool evaluates them.
-  void evaluateScenes(bool filter, const std::function<void(const VelocityReport&)>& check) {
+  void evaluateScenes(bool filter, const std::function<void(const VelocityReport&)>& check,
+                      MotionModel model = MotionModel::kPlanarYaw,
+                      const std::vector<std::string>& channels = {}) {
     const std::filesystem::path dataroot =
         std::filesystem::path(RADAR_DOT_SHARED_DATA) / "nuscenes_mini_real";
     if (!std::filesystem::exists(dataroot)) GTEST_SKIP() << "no real data under " << dataroot;
     const dataset::Tables tables = dataset::Tables::load(dataroot);
     VelocityEvaluationOptions options;
     Configuration nuscenes;
-    tools::readConfigFile(NUSCENES_CONFIG, sectionsOf(nuscenes));
+    readConfigFile(NUSCENES_CONFIG, sectionsOf(nuscenes));
     options.ego_velocity = nuscenes.ego_velocity;
     options.ego_velocity.filter = filter;
+    options.ego_velocity.estimator.model = model;
+    options.radar_channels = channels;
     for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
       const VelocityReport report = evaluateEgoVelocity(tables, static_cast<dataset::Index>(scene), options);
       check(report);
@@ -281,6 +295,19 @@ TEST_F(RealData, TheFilterMeetsItsFigures) {
   EXPECT_LE(overall_.filtered.yaw_rate.value(), 0.0087);
   EXPECT_LE(overall_.gt_heading.driftPercent(), 0.45);
   EXPECT_LE(overall_.own_heading.driftPercent(), 3.5);
+}
+
+TEST_F(RealData, TheFilterHonoursTheAckermannModel) {
+  for (const std::vector<std::string>& channels : {std::vector<std::string>{"RADAR_FRONT"}, {}}) {
+    overall_ = VelocityReport();
+    evaluateScenes(
+        true, [](const VelocityReport&) {}, MotionModel::kAckermann, channels);
+    if (IsSkipped()) return;
+    EXPECT_LE(overall_.filtered.yaw_rate.value(), overall_.causal.yaw_rate.value()) << channels.size();
+    EXPECT_LE(overall_.filtered.normalised_yaw_rate.value(), 1.0) << channels.size();
+    EXPECT_LE(overall_.filtered.normalised_vy.value(), 1.0) << "within sideslip_std";
+    EXPECT_LE(overall_.causal.normalised_yaw_rate.value(), 1.0) << channels.size();
+  }
 }
 
 }  // namespace

@@ -32,9 +32,11 @@ ParameterProblems problemsOf(EgoVelocityConfig& config) {
 TEST(Radars, AnInvalidEntryIsLeftOutAlone) {
   EgoVelocityConfig config;
   config.radars["good"].topic = "a";
-  config.radars["mute"].doppler_scale = -1.0;
-  config.radars["zero"] = {"b", 0.0, 0.0};
-  config.radars["turned"] = {"c", {}, 4.0};
+  config.radars["mute"].mount_yaw_correction = 0.1;
+  config.radars["zero"].topic = "b";
+  config.radars["zero"].overrides["doppler_scale"] = 0.0;
+  config.radars["turned"].topic = "c";
+  config.radars["turned"].mount_yaw_correction = 4.0;
   config.rate.expected_rate = 20.0;
   const ParameterProblems problems = problemsOf(config);
   ASSERT_EQ(config.radars.size(), 1U);
@@ -47,9 +49,43 @@ TEST(Radars, AnInvalidEntryIsLeftOutAlone) {
   EXPECT_TRUE(problems.concern("radars/zero"));
 }
 
+TEST(Radars, AnEntryOfTheParameterServerHoldsWhatIsOfThisRadarAlone) {
+  XmlRpc::XmlRpcValue given;
+  XmlRpc::XmlRpcValue& front = given["radars"]["front"];
+  front["topic"] = "a";
+  front["doppler_field"] = "v";
+  front["max_range"] = 90;
+  front["invalid_states"].setSize(0);
+  front["stamp"] = "arrival";
+  front["mount_xyz"][0] = 3.5;
+  front["mount_xyz"][1] = 0;
+  front["mount_xyz"][2] = "5e-1";
+  given["radars"]["short"]["mount_xyz"][0] = 1.0;
+  given["radars"]["misspelt"]["doppler_fild"] = "v";
+  EgoVelocityConfig config;
+  ParameterProblems problems;
+  readFields(given, "/ego_velocity", fieldsOf(config), problems);
+  ASSERT_EQ(config.radars.size(), 1U);
+  const RadarEntry& entry = config.radars.at("front");
+  EXPECT_EQ(entry.mount_xyz, (std::array<double, 3>{3.5, 0.0, 0.5}));
+  EXPECT_EQ(entry.stamp, StampSource::kArrival);
+  const ExtractionParams params = extractionOf(config, entry);
+  EXPECT_EQ(params.doppler_field, "v");
+  EXPECT_EQ(params.filter.max_range, 90.0);
+  EXPECT_TRUE(params.filter.invalid_states.empty());
+  EXPECT_EQ(
+      problems.lines,
+      (std::vector<std::string>{
+          "/ego_velocity/radars/misspelt/doppler_fild is unknown; did you mean 'doppler_field'?; misspelt is "
+          "left out",
+          "/ego_velocity/radars/short/mount_xyz is 1, must be 3 numbers between -1000 and 1000 m; short is "
+          "left "
+          "out"}));
+}
+
 TEST(ParameterProblems, ThoseOfParametersReadAtStartOutlastAChange) {
   EgoVelocityConfig config;
-  config.radars["mute"].doppler_scale = -1.0;
+  config.radars["mute"];
   config.extraction.doppler_scale = 0.0;
   ParameterProblems problems = problemsOf(config);
   EXPECT_EQ(config.extraction.doppler_scale, 1.0);

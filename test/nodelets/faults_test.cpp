@@ -7,6 +7,7 @@
 #include <nav_msgs/Odometry.h>
 #include <rosgraph_msgs/Log.h>
 #include <sensor_msgs/Imu.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
 
 #include <algorithm>
 #include <cmath>
@@ -33,6 +34,34 @@ using Fault = LiveRadars::Fault;
 
 // Stamps that no difference of ros::Time survives.
 const ros::Time kLastStamp(4'294'967'000U, 0);
+
+// Publishes the rotation of the steady turn at 50 Hz, as an IMU and as an odometry.
+class LiveRotation {
+ public:
+  explicit LiveRotation(ros::NodeHandle& handle)
+      : imu_(handle.advertise<sensor_msgs::Imu>("test/imu", 10)),
+        odometry_(handle.advertise<nav_msgs::Odometry>("test/odom", 10)) {}
+  void publish(const ros::Time& stamp) const {
+    sensor_msgs::Imu imu;
+    imu.header.stamp = stamp;
+    imu.header.frame_id = "base_link";
+    imu.angular_velocity.z = LiveRadars::kYawRate;
+    imu_.publish(imu);
+    nav_msgs::Odometry odometry;
+    odometry.header.stamp = stamp;
+    odometry.header.frame_id = "map";
+    odometry.child_frame_id = "base_link";
+    const double yaw = LiveRadars::kYawRate * (stamp.toSec() - start_.toSec());
+    odometry.pose.pose.orientation.w = std::cos(0.5 * yaw);
+    odometry.pose.pose.orientation.z = std::sin(0.5 * yaw);
+    odometry_.publish(odometry);
+  }
+
+ private:
+  const ros::Time start_ = ros::Time::now();
+  const ros::Publisher imu_, odometry_;
+  const Ticker ticker_{50.0, [this] { publish(ros::Time::now()); }};
+};
 
 class FaultsTest : public ::testing::Test {
  protected:
@@ -186,6 +215,31 @@ TEST_F(FaultsTest, ScaleOfTheDopplerAndOfOneRadarAlone) {
   EXPECT_NEAR(reversed.messages().back()->twist.twist.linear.x, -8.0, 0.1);
 }
 
+TEST_F(FaultsTest, ARadarThatContradictsTheOthersIsNamed) {
+  radars_.set(kBackLeft, [](PointCloud2& cloud) {
+    for (const char* name : {"vx", "vy"}) {
+      sensor_msgs::PointCloud2Iterator<float> value(cloud, name);
+      for (; value != value.end(); ++value) *value = -*value;
+    }
+  });
+  EXPECT_TRUE(
+      diagnostics_.says("ego_velocity: radar back_left", DiagnosticStatus::WARN, "doppler_scale: -1"));
+  expectTwistsGoOn();
+  EXPECT_TRUE(diagnostics_.says("ego_velocity: radar front_left", DiagnosticStatus::OK, "Hz"));
+  radars_.set(kBackLeft, {});
+}
+
+TEST_F(FaultsTest, OneRadarAndAnImuTellTheVelocity) {
+  const Recorder<TwistWithCovarianceStamped> guided(handle_, "guided/ego/twist_raw");
+  const LiveRotation rotation(handle_);
+  ASSERT_TRUE(guided.grows(12));
+  const TwistWithCovarianceStamped::ConstPtr twist = guided.messages().back();
+  EXPECT_NEAR(twist->twist.twist.linear.x, LiveRadars::kSpeed, 0.1);
+  EXPECT_NEAR(twist->twist.twist.linear.y, 0.0, 0.1);
+  EXPECT_NEAR(twist->twist.twist.angular.z, LiveRadars::kYawRate, 1e-6) << "as the IMU says";
+  EXPECT_LT(twist->twist.covariance[7], 0.1) << "vy is observed";
+}
+
 TEST_F(FaultsTest, MissingRadarsAndSilentSourcesAreReported) {
   EXPECT_TRUE(
       diagnostics_.says("unconfigured: configuration", DiagnosticStatus::ERROR, "/unconfigured/radars"));
@@ -193,34 +247,6 @@ TEST_F(FaultsTest, MissingRadarsAndSilentSourcesAreReported) {
   const Recorder<nav_msgs::Odometry> odometry(handle_, "imu/odom");
   EXPECT_TRUE(odometry.grows(6)) << "the yaw rate of the radars steps in";
 }
-
-// Publishes the rotation of the steady turn at 50 Hz, as an IMU and as an odometry.
-class LiveRotation {
- public:
-  explicit LiveRotation(ros::NodeHandle& handle)
-      : imu_(handle.advertise<sensor_msgs::Imu>("test/imu", 10)),
-        odometry_(handle.advertise<nav_msgs::Odometry>("test/odom", 10)) {}
-  void publish(const ros::Time& stamp) const {
-    sensor_msgs::Imu imu;
-    imu.header.stamp = stamp;
-    imu.header.frame_id = "base_link";
-    imu.angular_velocity.z = LiveRadars::kYawRate;
-    imu_.publish(imu);
-    nav_msgs::Odometry odometry;
-    odometry.header.stamp = stamp;
-    odometry.header.frame_id = "map";
-    odometry.child_frame_id = "base_link";
-    const double yaw = LiveRadars::kYawRate * (stamp.toSec() - start_.toSec());
-    odometry.pose.pose.orientation.w = std::cos(0.5 * yaw);
-    odometry.pose.pose.orientation.z = std::sin(0.5 * yaw);
-    odometry_.publish(odometry);
-  }
-
- private:
-  const ros::Time start_ = ros::Time::now();
-  const ros::Publisher imu_, odometry_;
-  const Ticker ticker_{50.0, [this] { publish(ros::Time::now()); }};
-};
 
 // Largest step between two poses, m.
 double largestStep(const std::vector<nav_msgs::OdometryConstPtr>& poses, std::size_t from) {

@@ -252,7 +252,7 @@ TEST_F(MovingObjectsTest, BadMessagesAreNamedAndHarmNobody) {
   EXPECT_TRUE(logged(cloud_topic, "ahead of the clock"));
   EXPECT_TRUE(logged(cloud_topic, "already used"));
   EXPECT_TRUE(logged("no_such_frame", "left out"));
-  EXPECT_TRUE(logged(cloud_topic, "beyond"));
+  EXPECT_TRUE(logged(cloud_topic, "does not fit"));
   EXPECT_TRUE(logged("'/odom'", "child_frame_id"));
   EXPECT_TRUE(logged("'/odom'", "quaternion"));
   EXPECT_TRUE(logged("'/ego/twist'", "nowhere"));

@@ -82,7 +82,7 @@ TEST(RadarMonitor, NamesARadarWhoseScansNoSweepUses) {
       header.stamp.fromSec(seconds += 1.0 / 13.0);
       header.frame_id = "front";
       monitor.accept(header, header.stamp);
-      monitor.scan(header.frame_id, {});
+      monitor.scan(header.frame_id, {}, 0);
       if (i < used) monitor.used();
     }
     monitor.report(ros::Time(seconds), status);
@@ -93,6 +93,29 @@ TEST(RadarMonitor, NamesARadarWhoseScansNoSweepUses) {
   EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::WARN);
   EXPECT_NE(status.message.find("13 of 13 scans outside the window of 0.10 s"), std::string::npos)
       << status.message;
+}
+
+// What a radar sends after `frame`, and of it what is reported.
+std::string reportAfter(const std::string& frame, std::size_t lost) {
+  RadarMonitor monitor("radar", {}, 0.1);
+  monitor.setTopic("/radar");
+  std_msgs::Header header;
+  header.stamp.fromSec(100.0);
+  header.frame_id = "front";
+  monitor.accept(header, header.stamp);
+  monitor.scan("front", {}, 0);
+  monitor.used();
+  monitor.scan(frame, {}, lost);
+  monitor.used();
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  monitor.report(header.stamp, status);
+  return std::to_string(static_cast<int>(status.level)) + " " + status.message;
+}
+
+TEST(RadarMonitor, WarnsOfSharedTopicsAndLostClouds) {
+  EXPECT_EQ(reportAfter("front", 0).front(), '0') << reportAfter("front", 0);
+  EXPECT_NE(reportAfter("rear", 0).find("only_frame"), std::string::npos) << reportAfter("rear", 0);
+  EXPECT_NE(reportAfter("front", 3).find("3 of 5 clouds lost"), std::string::npos) << reportAfter("front", 3);
 }
 
 }  // namespace

@@ -8,10 +8,12 @@
 #include <nav_msgs/Odometry.h>
 #include <nodelet/loader.h>
 #include <ros/callback_queue.h>
+#include <sensor_msgs/Imu.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 
@@ -167,6 +169,28 @@ class Inputs : public testing::Test {
     handle_.setCallbackQueue(&queue_);
     extrinsics_.buffer().setTransform(VisionWorld::mount(), "test", true);
   }
+  /// A source that has heard `count` messages, made by `message` for 50 a second.
+  template <typename Message>
+  std::unique_ptr<RotationSource> sourceOf(RotationSourceKind kind, const std::string& topic, int count,
+                                           const std::function<void(Message&, double)>& message) {
+    RotationParams params;
+    params.source = kind;
+    int samples = 0;
+    RotationSource::Callbacks callbacks{[] {}, [&] { ++samples; }, [] {},
+                                        [](const std::string& text) { ADD_FAILURE() << text; }};
+    auto source = makeRotationSource(params, handle_, extrinsics_, callbacks);
+    source->start();
+    ros::Publisher publisher = handle_.advertise<Message>(topic, 100);
+    EXPECT_TRUE(serveUntil([&] { return publisher.getNumSubscribers() > 0; }));
+    for (int i = 0; i < count; ++i) {
+      Message made;
+      made.header.stamp = start_ + ros::Duration(0.02 * i);
+      message(made, 0.02 * i);
+      publisher.publish(made);
+    }
+    EXPECT_TRUE(serveUntil([&] { return samples == count; })) << samples;
+    return source;
+  }
   /// Serves messages until the condition holds.
   bool serveUntil(const std::function<bool()>& condition) {
     return waitUntil([&] { return queue_.callAvailable(), condition(); });
@@ -175,6 +199,7 @@ class Inputs : public testing::Test {
   ros::CallbackQueue queue_;
   ros::NodeHandle handle_{"inputs"};
   Extrinsics extrinsics_{"base_link", handle_};
+  const ros::Time start_ = ros::Time::now() - ros::Duration(2.0);
 };
 
 // A message that is served before its owner holds the source would find a null pointer.
@@ -202,6 +227,44 @@ TEST_F(Inputs, ARotationSourceListensOnceItIsStarted) {
   publisher.publish(odometry);
   EXPECT_TRUE(serveUntil([&] { return samples == 1; }));
   EXPECT_EQ(source->latest(), odometry.header.stamp.toSec());
+}
+
+// An IMU whose x axis points to the left of the vehicle.
+TEST_F(Inputs, AnImuTellsTheAngularVelocityOfTheBase) {
+  geometry_msgs::TransformStamped mount;
+  mount.header.frame_id = "base_link";
+  mount.child_frame_id = "imu";
+  mount.transform.rotation.z = mount.transform.rotation.w = std::sqrt(0.5);
+  extrinsics_.buffer().setTransform(mount, "test", true);
+  const auto source = sourceOf<sensor_msgs::Imu>(RotationSourceKind::kImu, "rotation/imu", 10,
+                                                 [](sensor_msgs::Imu& imu, double time) {
+                                                   imu.header.frame_id = "imu";
+                                                   imu.angular_velocity.x = 0.1 + time;
+                                                   imu.angular_velocity.z = 0.3;
+                                                   imu.angular_velocity_covariance[0] = 4e-4;
+                                                 });
+  const auto rate = source->rateAt(start_ + ros::Duration(0.11));
+  ASSERT_TRUE(rate);
+  EXPECT_NEAR((rate->rate - Eigen::Vector3d(0.0, 0.2, 0.3)).norm(), 0.0, 1e-6) << "of the sample at 0.10 s";
+  EXPECT_NEAR(rate->covariance(1, 1) - rate->covariance(0, 0), 4e-4, 1e-9);
+  EXPECT_GT(rate->covariance(2, 2), 0.0) << "what is not stated is not exact";
+  EXPECT_TRUE(source->rateAt(start_ + ros::Duration(0.25)));
+  EXPECT_FALSE(source->rateAt(start_ + ros::Duration(0.35))) << "too old";
+  EXPECT_FALSE(source->rateAt(start_ - ros::Duration(0.01))) << "before the first";
+}
+
+TEST_F(Inputs, AnOdometryTellsTheAngularVelocityOfTheBase) {
+  const auto source = sourceOf<nav_msgs::Odometry>(RotationSourceKind::kOdometry, "rotation/odom", 20,
+                                                   [](nav_msgs::Odometry& odometry, double time) {
+                                                     odometry.pose.pose.orientation.z = std::sin(0.25 * time);
+                                                     odometry.pose.pose.orientation.w = std::cos(0.25 * time);
+                                                   });
+  for (const double time : {0.30, 0.42}) {
+    const auto rate = source->rateAt(start_ + ros::Duration(time));
+    ASSERT_TRUE(rate) << time;
+    EXPECT_NEAR((rate->rate - Eigen::Vector3d(0.0, 0.0, 0.5)).norm(), 0.0, 1e-4);
+  }
+  EXPECT_FALSE(source->rateAt(start_ + ros::Duration(0.6)));
 }
 
 TEST(Extrinsics, NodeletsOfAProcessShareOneBuffer) {

@@ -4,7 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <random>
+
+#include "radar_dot/common/pose_buffer.h"
 
 namespace radar_dot {
 namespace {
@@ -90,6 +95,88 @@ TEST(VelocityIntegrator, CovarianceGrowsAsTheStepsAddUp) {
   for (int i = 0; i < 50; ++i) lateral += std::pow(0.5 * i, 2) * 0.01 * 0.01;
   EXPECT_NEAR(integrator.state().covariance(1, 1), lateral, 1e-9);
   EXPECT_NEAR(integrator.state().covariance(5, 5), 50 * 0.01 * 0.01, 1e-12);
+}
+
+/// A drive with an IMU at 100 Hz and velocities at 13 Hz.
+struct ImuDrive {
+  std::function<double(double)> speed, yaw, pitch;  // m/s and rad (nose down positive), of s
+  double duration = 60.0;                           // s
+  double gyro_noise = 0.0, gyro_bias = 0.0;         // rad/s
+  double force_noise = 0.0, speed_noise = 0.0;      // m/s^2, m/s
+
+  Eigen::Quaterniond rotation(double time) const {
+    return Eigen::AngleAxisd(yaw(time), Vector3d::UnitZ()) *
+           Eigen::AngleAxisd(pitch(time), Vector3d::UnitY());
+  }
+  Vector3d velocity(double time) const { return rotation(time) * Vector3d(speed(time), 0.0, 0.0); }
+
+  struct Result {
+    Vector3d truth = Vector3d::Zero(), odometry = Vector3d::Zero();
+    double distance = 0.0;
+  };
+  /// @param with_force  false: the accelerometer is not connected
+  Result drive(bool with_force) const {
+    constexpr double kStep = 0.01;
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    const auto noise = [&](double sigma) -> Vector3d {
+      return sigma * Vector3d(normal(random), normal(random), normal(random));
+    };
+    AttitudeIntegrator attitude;
+    VelocityIntegrator integrator;
+    Result result;
+    for (int i = 0; i * kStep <= duration; ++i) {
+      const double time = i * kStep;
+      const Eigen::AngleAxisd turn(rotation(time - 1e-4).conjugate() * rotation(time + 1e-4));
+      const Vector3d rate = turn.angle() / 2e-4 * turn.axis();
+      const Vector3d force = rotation(time).conjugate() *
+                             ((velocity(time + 1e-4) - velocity(time - 1e-4)) / 2e-4 + Vector3d(0, 0, 9.81));
+      const Vector3d measured = force + noise(force_noise);
+      attitude.add(time, rate + noise(gyro_noise) + Vector3d::Constant(gyro_bias),
+                   with_force ? measured : Vector3d::Zero());
+      if (i > 0) result.truth += 0.5 * kStep * (velocity(time - kStep) + velocity(time));
+      if (i % 8 != 0) continue;
+      const Vector3d measured_velocity(speed(time) + speed_noise * normal(random), 0.0, 0.0);
+      attitude.level(time, measured_velocity);
+      integrator.add({time, measured_velocity}, attitude.attitude());
+    }
+    result.odometry = integrator.state().T_odom_from_base.translation();
+    result.distance = integrator.state().distance;
+    return result;
+  }
+};
+
+double townSpeed(double time) { return 7.0 - 7.0 * std::cos(0.4 * time); }  // m/s, 2.8 m/s^2 at most
+double townYaw(double time) { return 1.2 * std::sin(0.25 * time); }         // rad
+
+// A climb is the sine of the pitch times the way, also where the speed changes on it.
+TEST(Odometry, ClimbsAHillByTheImu) {
+  ImuDrive hill;
+  hill.speed = townSpeed;
+  hill.yaw = townYaw;
+  constexpr double kSlope = 0.1;  // rad
+  hill.pitch = [](double time) { return -kSlope * std::clamp(time - 10.0, 0.0, 1.0); };
+  const ImuDrive::Result result = hill.drive(true);
+  const double before = 7.0 * 10.5 - 17.5 * std::sin(0.4 * 10.5);  // m, up to the middle of the bend
+  EXPECT_NEAR(result.odometry.z(), std::sin(kSlope) * (result.distance - before), 0.4);
+  EXPECT_NEAR((result.odometry - result.truth).norm(), 0.0, 0.5) << result.odometry.transpose();
+}
+
+// On the plane an IMU with noise and a bias of 0.1 degrees/s does no worse than its yaw rate alone.
+TEST(Odometry, StaysOnThePlaneWithANoisyImu) {
+  ImuDrive town;
+  town.speed = townSpeed;
+  town.yaw = townYaw;
+  town.pitch = [](double) { return 0.0; };
+  town.duration = 120.0;
+  town.gyro_noise = 0.005;
+  town.gyro_bias = 0.002;
+  town.force_noise = 0.3;
+  town.speed_noise = 0.03;
+  const ImuDrive::Result full = town.drive(true), flat = town.drive(false);
+  EXPECT_LT(std::abs(full.odometry.z()), 0.004 * full.distance);
+  const double error = (full.odometry - full.truth).head<2>().norm();
+  EXPECT_LT(error, (flat.odometry - flat.truth).head<2>().norm() + 0.001 * full.distance);
 }
 
 TEST(AccelerationTracker, FindsTheSlope) {

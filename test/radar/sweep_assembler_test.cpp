@@ -5,7 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
+#include <string>
+#include <vector>
+
+#include "radar_dot/radar/sequence_watch.h"
 
 namespace radar_dot {
 namespace {
@@ -24,6 +29,13 @@ std::string add(Assembler& assembler, std::size_t radar, double time) {
     for (const Assembler::Scan& scan : sweep.scans) text += std::to_string(scan.radar);
   }
   return text;
+}
+
+std::size_t lostInAll(const Assembler& assembler) {
+  std::size_t count = 0;
+  for (const SweepLosses& radar : assembler.losses())
+    count += radar.outside_window + radar.late + radar.stale + radar.forgotten;
+  return count;
 }
 
 TEST(SweepAssembler, OneRadarCompletesASweepWithEveryScan) {
@@ -76,6 +88,7 @@ TEST(SweepAssembler, ScansOlderThanTheWindowAreLeftOut) {
   ASSERT_EQ(sweeps.size(), 1U);
   EXPECT_EQ(sweeps[0].scans.size(), 1U);
   EXPECT_EQ(sweeps[0].left_out, 1U);
+  EXPECT_EQ(assembler.losses()[0].outside_window, 1U);
   EXPECT_EQ(sweeps[0].time(), 0.20);
 }
 
@@ -96,7 +109,22 @@ TEST(SweepAssembler, RepeatedAndLateScansOfARadarAreStale) {
   EXPECT_EQ(assembler.add({0, 5.0, 0}, sweeps), Outcome::kAdded);
   EXPECT_EQ(assembler.add({0, 5.0, 0}, sweeps), Outcome::kStale);
   EXPECT_EQ(assembler.add({0, 4.5, 0}, sweeps), Outcome::kStale);
+  EXPECT_EQ(assembler.add({0, std::nan(""), 0}, sweeps), Outcome::kStale);
   EXPECT_TRUE(sweeps.empty());
+  EXPECT_EQ(assembler.losses()[0].stale, 3U);
+}
+
+TEST(SweepAssembler, AScanThatCameAfterItsSweepIsLate) {
+  Assembler assembler(2);
+  add(assembler, 0, 0.00);
+  EXPECT_EQ(add(assembler, 0, 0.07), "0");
+  EXPECT_EQ(add(assembler, 1, 0.01), "01") << "of 0.07 s";
+  EXPECT_EQ(add(assembler, 1, 0.02), "") << "may go into the next sweep";
+  EXPECT_EQ(add(assembler, 1, 0.08), "") << "goes into it instead";
+  EXPECT_EQ(assembler.losses()[1].late, 1U);
+  EXPECT_EQ(add(assembler, 0, 0.14), "") << "the other was up to 0.06 s late so far, and is again";
+  EXPECT_EQ(add(assembler, 1, 0.15), "01") << "of 0.14 s";
+  EXPECT_EQ(lostInAll(assembler), 1U);
 }
 
 TEST(SweepAssembler, TimeGoingBackStartsAnewOnce) {
@@ -112,6 +140,20 @@ TEST(SweepAssembler, TimeGoingBackStartsAnewOnce) {
   ASSERT_EQ(sweeps.size(), 1U);
   EXPECT_EQ(sweeps[0].scans.size(), 2U);
   EXPECT_EQ(sweeps[0].time(), 2.01);
+  EXPECT_EQ(assembler.losses()[0].forgotten, 1U);
+}
+
+// A clock that was set wrong: the sweeps that its scans belong to are over.
+TEST(SweepAssembler, ARadarThatIsAlwaysLaterThanTheWindowHoldsNobodyUp) {
+  Assembler assembler(2);
+  for (int i = 0; i < 100; ++i) {
+    const double time = 10.0 + 0.07 * i;
+    const std::string completed = add(assembler, 0, time) + add(assembler, 1, time + (i < 30 ? 0.01 : -0.3));
+    const bool is_settled = i < 30 || i > 50;
+    EXPECT_TRUE(!is_settled || completed == (i < 30 ? "01" : "0")) << i << ": " << completed;
+  }
+  EXPECT_GE(assembler.losses()[1].outside_window, 50U);
+  EXPECT_EQ(assembler.losses()[0].outside_window, 0U);
 }
 
 // Law: with any jitter and any silences no scan is used twice, no sweep goes back in time, and
@@ -132,7 +174,7 @@ TEST(SweepAssembler, RandomStreamsKeepTheInvariants) {
       }
     }
     std::sort(stream.begin(), stream.end());
-    std::size_t used = 0, left_out = 0;
+    std::size_t used = 0;
     double previous = -1.0;
     std::vector<double> last(5, -1.0);
     for (const auto& [time, radar] : stream) {
@@ -142,7 +184,6 @@ TEST(SweepAssembler, RandomStreamsKeepTheInvariants) {
         EXPECT_GT(sweep.time(), previous);
         previous = sweep.time();
         used += sweep.scans.size();
-        left_out += sweep.left_out;
         for (const Assembler::Scan& scan : sweep.scans) {
           EXPECT_GT(scan.time, last[scan.radar]) << "used twice";
           last[scan.radar] = scan.time;
@@ -152,8 +193,87 @@ TEST(SweepAssembler, RandomStreamsKeepTheInvariants) {
       }
     }
     EXPECT_GT(used, stream.size() * 9 / 10);
-    EXPECT_GE(used + left_out + 5, stream.size()) << "a scan got lost";
+    assembler.reset();
+    EXPECT_EQ(used + lostInAll(assembler), stream.size()) << "a scan got lost without a reason";
   }
+}
+
+struct Arrival {
+  double time, arrival;
+  std::size_t radar;
+};
+
+// The sweeps of scans that arrive in this order, as text: "13.370 s of 0 2 3".
+std::vector<std::string> sweepsOf(const std::vector<Arrival>& scans) {
+  Assembler assembler(4);
+  std::vector<std::string> texts;
+  std::vector<Sweep> sweeps;
+  for (const Arrival& scan : scans) {
+    assembler.add({scan.radar, scan.time, 0}, sweeps);
+    for (const Sweep& sweep : sweeps) {
+      texts.push_back(std::to_string(sweep.time()) + " s of");
+      for (const Assembler::Scan& one : sweep.scans) texts.back() += " " + std::to_string(one.radar);
+    }
+  }
+  return texts;
+}
+
+// Law: once the delays among the radars are known, sweeps depend on the stamps alone.
+TEST(SweepAssembler, TheOrderOfArrivalDoesNotMatter) {
+  constexpr double kDelay = 0.09, kShortest = 0.06;  // s
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    std::vector<Arrival> ordered, mixed;
+    for (std::size_t radar = 0; radar < 4; ++radar) {
+      // At first all show how late they may be, and how close their scans follow each other.
+      double time = radar == 0 ? kDelay : 0.0, arrival = 0.1 + 0.001 * static_cast<double>(radar);
+      for (int i = 0; i < 200; ++i) {
+        if (i > 0) time += kShortest;
+        if (i > 10) time += 1e-6 + 0.03 * unit(random) + (unit(random) < 0.03 ? 0.2 : 0.0);
+        if (i > 0) arrival = std::max(arrival, time + kDelay);
+        ordered.push_back({time, arrival, radar});
+        if (i > 10) arrival = std::max(mixed.back().arrival, time + unit(random) * kDelay);
+        mixed.push_back({time, arrival, radar});
+      }
+      for (std::vector<Arrival>* scans : {&ordered, &mixed})  // completes what waits
+        scans->push_back({1000.0, 1000.0 + static_cast<double>(radar), radar});
+    }
+    for (std::vector<Arrival>* scans : {&ordered, &mixed})
+      std::stable_sort(scans->begin(), scans->end(),
+                       [](const Arrival& a, const Arrival& b) { return a.arrival < b.arrival; });
+    EXPECT_FALSE(std::is_sorted(mixed.begin() + 40, mixed.end(),
+                                [](const Arrival& a, const Arrival& b) { return a.time < b.time; }));
+    EXPECT_EQ(sweepsOf(mixed), sweepsOf(ordered));
+  }
+}
+
+// A quick replay: 0.4 s of one radar after 0.4 s of another. Only the first of them surprise.
+TEST(SweepAssembler, NothingIsLostWhenScansArriveInHeaps) {
+  Assembler assembler(5);
+  std::size_t lost_at_first = 0;
+  for (int heap = 0; heap < 20; ++heap) {
+    for (std::size_t radar = 0; radar < 5; ++radar)
+      for (int i = 0; i < 5; ++i)
+        add(assembler, radar, 0.4 * heap + 0.08 * i + 0.015 * static_cast<double>(radar));
+    if (heap == 1) lost_at_first = lostInAll(assembler);
+  }
+  EXPECT_GT(lost_at_first, 0U);
+  EXPECT_EQ(lostInAll(assembler), lost_at_first);
+}
+
+TEST(SequenceWatch, CountsGapsAndMistrustsWhatIsNoCount) {
+  SequenceWatch watch;
+  EXPECT_EQ(watch.lostBefore(7), 0U) << "nothing is known of what was before";
+  EXPECT_EQ(watch.lostBefore(8), 0U);
+  EXPECT_EQ(watch.lostBefore(12), 3U);
+  EXPECT_EQ(watch.lostBefore(0), 0U) << "starts again";
+  EXPECT_EQ(watch.lostBefore(0), 0U) << "does not count";
+  EXPECT_EQ(watch.lostBefore(2), 1U);
+  EXPECT_EQ(watch.lostBefore(90000), 0U) << "another publisher";
+  watch.lostBefore(0xffffffffU);
+  EXPECT_EQ(watch.lostBefore(1), 1U) << "the number wraps";
 }
 
 }  // namespace

@@ -221,11 +221,88 @@ TEST(VelocityFilter, LearnsTheMounts) {
     filter.update(t, truth, noiseOf(0.05, 0.02), sensorsOf(truth, t, yaw, noise, 0.05));
   }
   for (std::size_t i = 0; i < yaw.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(6 + i);
-    EXPECT_NEAR(filter.mountYaw(i), yaw[i], 4.0 * std::sqrt(filter.covariance()(row, row))) << "radar " << i;
+    EXPECT_NEAR(filter.mountYaw(i), yaw[i], 4.0 * std::sqrt(filter.mountYawVariance(i))) << "radar " << i;
+    EXPECT_LT(filter.mountYawVariance(i), 0.25 * 0.02 * 0.02) << "radar " << i;
   }
   EXPECT_NEAR(filter.mountYaw(0) - filter.mountYaw(1), yaw[0] - yaw[1], 0.003);
   EXPECT_EQ(filter.mountYaw(77), 0.0);
+  EXPECT_EQ(filter.mountYawVariance(77), 0.02 * 0.02);
+}
+
+/// State after a drive at constant velocity, seen by the radar in front alone (at 3.4 m), whose joint
+/// estimate is `velocity` with `covariance`.
+VelocityFilter::State drivenByFrontRadar(const Vector3d& truth, const Vector3d& velocity,
+                                         const Matrix3d& covariance, const VelocityFilter::Sources& sources,
+                                         bool by_radar) {
+  VelocityFilter filter(plain());
+  Noise noise(8);
+  for (int i = 0; i < 100; ++i) {
+    std::vector<SensorVelocity> sensors;
+    if (by_radar) sensors = {sensorsOf(truth, i * kPeriod, std::vector<double>(5, 0.0), noise, 0.03)[0]};
+    EXPECT_NE(filter.update(i * kPeriod, velocity, covariance, sensors, sources), Outcome::kRejected);
+  }
+  return filter.at(filter.time());
+}
+
+// The model says vy = 0 within 0.1 m/s. What the car slips passes for a yaw rate, by 0.1 / 3.4 rad/s, which
+// the filter cannot know, but says.
+TEST(VelocityFilter, WhatTheModelAssumesStaysSo) {
+  constexpr double kSlip = 0.1, kLever = 3.4;
+  Matrix3d covariance = noiseOf(0.03, 0.01);
+  covariance(1, 1) = kSlip * kSlip;
+  covariance(2, 2) += kSlip * kSlip / (kLever * kLever);
+  covariance(1, 2) = covariance(2, 1) = -kSlip * kSlip / kLever;
+  const Vector3d truth(10.0, kSlip, 0.1);
+  const Vector3d joint(10.0, 0.0, 0.1 + kSlip / kLever);
+  for (const bool by_radar : {true, false}) {
+    const VelocityFilter::State state =
+        drivenByFrontRadar(truth, joint, covariance,
+                           {AxisSource::kEstimated, AxisSource::kAssumed, AxisSource::kEstimated}, by_radar);
+    EXPECT_EQ(state.velocity.y(), 0.0);
+    EXPECT_DOUBLE_EQ(state.covariance(1, 1), kSlip * kSlip);
+    EXPECT_NEAR(state.velocity.z(), joint.z(), 0.01);
+    EXPECT_NEAR(std::sqrt(state.covariance(2, 2)), kSlip / kLever, 0.004);
+    EXPECT_NEAR(state.covariance(1, 2), -kSlip * kSlip / kLever, 1e-4);
+  }
+}
+
+// What one radar sees sideways is vy + 3.4 w; with w given, it is vy.
+TEST(VelocityFilter, AGivenYawRateTellsTheSideslip) {
+  const Vector3d truth(10.0, 0.3, 0.2);
+  const VelocityFilter::State state =
+      drivenByFrontRadar(truth, truth, noiseOf(0.03, 0.005),
+                         {AxisSource::kEstimated, AxisSource::kEstimated, AxisSource::kGiven}, true);
+  EXPECT_LT((state.velocity - truth).norm(), 0.05);
+  EXPECT_LT(state.covariance(1, 1), 0.03 * 0.03);
+  EXPECT_LT(state.covariance(2, 2), 0.005 * 0.005);
+}
+
+// A yaw rate that fits does not keep a filter alive that its radar contradicts.
+TEST(VelocityFilter, AGivenYawRateDoesNotHideATrueJump) {
+  const VelocityFilterParams params = plain();
+  VelocityFilter filter(params);
+  Noise noise(9);
+  const VelocityFilter::Sources sources = {AxisSource::kEstimated, AxisSource::kEstimated,
+                                           AxisSource::kGiven};
+  const auto update = [&](int i, double speed) {
+    const Vector3d truth(speed, 0.0, 0.1);
+    const double time = i * kPeriod;
+    return filter.update(time, truth, noiseOf(0.05, 0.01),
+                         {sensorsOf(truth, time, std::vector<double>(5, 0.0), noise, 0.03)[0]}, sources);
+  };
+  for (int i = 0; i < 50; ++i) EXPECT_NE(update(i, 8.0), Outcome::kRejected);
+  for (int i = 0; i < params.max_rejected; ++i)
+    EXPECT_EQ(update(50 + i, 3.0), i + 1 < params.max_rejected ? Outcome::kRejected : Outcome::kStarted);
+}
+
+TEST(VelocityFilter, OtherAssumptionsStartItAnew) {
+  VelocityFilter filter(plain());
+  VelocityFilter::Sources sources = VelocityFilter::kEstimatedAxes;
+  filter.update(0.0, {8.0, 0.3, 0.1}, noiseOf(0.05, 0.01), {}, sources);
+  EXPECT_EQ(filter.update(0.1, {8.0, 0.3, 0.1}, noiseOf(0.05, 0.01), {}, sources), Outcome::kUpdated);
+  sources[1] = AxisSource::kAssumed;
+  EXPECT_EQ(filter.update(0.2, {8.0, 0.0, 0.2}, noiseOf(0.05, 0.01), {}, sources), Outcome::kStarted);
+  EXPECT_EQ(filter.state().head<3>(), Vector3d(8.0, 0.0, 0.2));
 }
 
 TEST(VelocityFilter, OneBadRadarDoesNotTakeTheOthersWithIt) {
@@ -272,6 +349,7 @@ TEST(FilteredResult, KeepsWhatIsNotFiltered) {
   EgoVelocityResult single;
   single.status = EstimateStatus::kOk;
   single.linear = {8.0, 0.3, 0.2};
+  single.sources[0] = single.sources[5] = AxisSource::kEstimated;
   single.covariance = 1e6 * Eigen::Matrix<double, 6, 6>::Identity();
   single.inlier_count = 42;
   VelocityFilter filter(plain());
@@ -282,7 +360,8 @@ TEST(FilteredResult, KeepsWhatIsNotFiltered) {
   EXPECT_EQ(filtered.angular, Vector3d(0.0, 0.0, 0.05));
   EXPECT_NEAR(filtered.covariance(0, 0), 0.0025, 1e-12);
   EXPECT_EQ(filtered.covariance(2, 2), 1e6);
-  EXPECT_TRUE(filtered.observed[0] && filtered.observed[1] && filtered.observed[5]);
+  EXPECT_TRUE(filtered.observed[0] && filtered.observed[5]);
+  EXPECT_FALSE(filtered.observed[1]) << "assumed";
   EXPECT_FALSE(filtered.observed[2] || filtered.observed[3]);
   EXPECT_EQ(filtered.inlier_count, 42U);
 }

@@ -241,7 +241,9 @@ TEST(CommandLine, AReportRepeatsItsRun) {
       if (!field.live_only && field.name != std::string("model")) field.set(test::anotherValue(field));
   tool.ego.find("threshold")->set(0.1 + 0.2);
   tool.objects.find("weak_threshold")->set(std::numeric_limits<double>::infinity());
-  tool.configuration.ego_velocity.radars["front"].doppler_scale = -1.0 / 3.0;
+  RadarEntry& front = tool.configuration.ego_velocity.radars["front"];
+  for (const Field& field : fieldsOf(front))
+    if (!field.live_only) field.set(test::anotherValue(field));
   tool.configuration.ego_velocity.radars["rear"] = {};
   tool.input.dataroot = "/data/nu scenes: 1";
   tool.input.scenes = {"a, b", "\"c\"\n"};
@@ -296,7 +298,7 @@ TEST(CommandLine, HelpIsForReading) {
         "                                  ransac         consensus, then least squares on its inliers\n"
         "                                                 (LSQ+RANSAC of the paper)\n",
         "\n  --[no-]neighbourhood          Final", "\n  --all                         All scenes\n",
-        "(vx, vy) [default v]\n", "\nExamples:\n  evaluate_toy --all\n"})
+        "case [default v]\n", "\nExamples:\n  evaluate_toy --all\n"})
     EXPECT_NE(help.find(part), std::string::npos) << part << "\n" << help;
 }
 

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "config/config_file.h"
 #include "fixtures/field_values.h"
 #include "fixtures/files.h"
 #include "fixtures/tool_run.h"
 #include "radar_dot/config/sections.h"
 #include "tools/command_line.h"
-#include "tools/config_file.h"
 #include "tools/parameter_document.h"
 
 namespace radar_dot::tools {
@@ -58,7 +58,8 @@ TEST_F(PrintParameters, TheTemplateHoldsTheDefaults) {
 
 TEST_F(PrintParameters, EachParameterReadsBackFromAFile) {
   change();
-  changed_.ego_velocity.radars["front"].doppler_scale = -1e-7;
+  RadarEntry& front = changed_.ego_velocity.radars["front"];
+  for (const Field& field : fieldsOf(front)) field.set(test::anotherValue(field));
   changed_.ego_velocity.radars["on"].topic = "a: 'b' # c";
   expectFileMakes(parametersYaml(sectionsOf(changed_)), defaults_, changed_);
 }
@@ -91,6 +92,7 @@ TEST_F(PrintParameters, EachParameterIsAnOptionUnlessItIsLiveOnly) {
 
 TEST_F(PrintParameters, TheFilesInTheFolderConfigAreValid) {
   for (const auto& file : std::filesystem::directory_iterator(CONFIG_FOLDER)) {
+    if (!file.is_regular_file()) continue;
     Configuration configuration;
     EXPECT_NO_THROW(readConfigFile(file.path().string(), sectionsOf(configuration))) << file.path();
     EXPECT_NO_THROW(validate(configuration)) << file.path();
@@ -117,7 +119,8 @@ TEST_F(PrintParameters, TheTemplateSaysWhatThereIsToKnow) {
   EXPECT_TRUE(defaults_.ego_velocity.radars.empty()) << "the entry that is shown is made to be shown";
   defaults_.ego_velocity.radars["front"].topic = "points";
   expectParts(parametersYaml(sectionsOf(defaults_)),
-              {"\n  radars:\n    front:\n", "\n      topic: points\n", "\n      # doppler_scale:\n"});
+              {"\n  radars:\n    front:\n", "\n      topic: points\n", "\n      # mount_xyz:\n",
+               "\n      # Each of these parameters of the section can be set here instead: doppler_field, "});
 }
 
 TEST_F(PrintParameters, TablesOfTheParameters) {
@@ -128,7 +131,9 @@ TEST_F(PrintParameters, TablesOfTheParameters) {
        "supports a hypothesis |\n",
        "| `solver` |  | `ransac_robust` | `least_squares`, `ransac`, `ransac_robust` | How the Doppler "
        "constraints are solved<br>`least_squares`: every",
-       "| `doppler_scale` |  | not set | between -10 and 10 |", "| `doppler_field` |  | empty |  |",
+       "| `mount_xyz` | m | not set | 3 numbers between -1000 and 1000 m |",
+       "| `doppler_field` |  | empty |  |",
+       "\n\nEach of these parameters of the section can be set here instead: `doppler_field`, ",
        " relative to its newest (*at start*) |", " integrated over (*live only*) |",
        "| Residual \\|d + u.v\\| between",
        "### `radars`\n\nThe radars: name -> parameters of each. Of each, by name:\n\n| name |",

@@ -9,6 +9,9 @@
 
 namespace radar_dot {
 
+/// The rotation by a vector: about its direction, by its length in rad.
+Eigen::Quaterniond rotationOf(const Eigen::Vector3d& rotation_vector);
+
 /// Motion of the base frame over `dt` seconds at a constant velocity in its own frame.
 /// @param linear   m/s, of the base origin, base frame (the paper's v_ego)
 /// @param R_previous_from_current  rotation of the base over the interval; its angular velocity is taken

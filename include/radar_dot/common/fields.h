@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -50,11 +51,11 @@ struct Range {
   double highest = std::numeric_limits<double>::infinity();
 };
 
-enum class FieldType { kBool, kInt, kDouble, kText, kEnum, kIntList, kTextList };
+enum class FieldType { kBool, kInt, kDouble, kText, kEnum, kIntList, kTextList, kDoubleList };
 
-/// The value of a field, by its type: an enum as its name, an optional number that is not set as monostate.
+/// The value of a field, by its type: an enum as its name, an optional value that is not set as monostate.
 using FieldValue = std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<int>,
-                                std::vector<std::string>>;
+                                std::vector<std::string>, std::vector<double>>;
 
 /// As in a configuration file: "0.5", "true", "0, 4". Numbers are read back exactly.
 std::string toText(const FieldValue& value);
@@ -70,9 +71,12 @@ struct Field {
   const char* group = "";  ///< heading under which it is listed
   FieldType type = FieldType::kText;
   Range range;
+  std::size_t length = 0;  ///< of a list of numbers; 0: any
   bool at_start = false;   ///< read once: not to be changed while the nodelet runs
   bool live_only = false;  ///< without effect on evaluation, which reads files instead of topics
   bool optional = false;   ///< may have no value: monostate, or an empty text
+  bool overrides =
+      false;  ///< takes the place of a parameter of the same name elsewhere, where it has a value
   std::vector<std::pair<const char*, const char*>> choices;  ///< of an enum: name, text
 
   const void* address = nullptr;  ///< of the member
@@ -121,6 +125,9 @@ class FieldList {
 
   template <typename Entry>
   void addDictionary(const char* name, std::map<std::string, Entry>& entries, const char* text);
+
+  /// Each field of another list as an optional one, whose value is kept by its name in `values`.
+  void addOverrides(const FieldList& others, std::map<std::string, FieldValue>& values);
 
   /// The fields of another list that the filter lets through, and its dictionaries.
   void append(const FieldList& other, const std::function<bool(const Field&)>& filter = {});
@@ -181,6 +188,78 @@ void requireNotMore(const FieldList& fields, const double& smaller, const double
 void require(bool condition, const FieldList& fields, const std::vector<const void*>& members,
              const std::string& text);
 
+namespace detail {
+
+template <typename Value>
+struct OptionalValue : std::false_type {};
+template <typename Value>
+struct OptionalValue<std::optional<Value>> : std::true_type {};
+
+/// Numbers of a fixed count; 0: no array.
+template <typename Value>
+constexpr std::size_t kLength = 0;
+template <std::size_t length>
+constexpr std::size_t kLength<std::array<double, length>> = length;
+
+template <typename Value>
+FieldValue toFieldValue(const Value& value) {
+  if constexpr (std::is_enum_v<Value>)
+    return std::string(toString(value));
+  else if constexpr (std::is_integral_v<Value> && !std::is_same_v<Value, bool>)
+    return static_cast<std::int64_t>(value);
+  else if constexpr (kLength<Value> > 0)
+    return std::vector<double>(value.begin(), value.end());
+  else
+    return value;
+}
+
+template <typename Value>
+Value fromFieldValue(const FieldValue& given) {
+  if constexpr (std::is_enum_v<Value>) {
+    return fromString<Value>(std::get<std::string>(given));
+  } else if constexpr (std::is_integral_v<Value> && !std::is_same_v<Value, bool>) {
+    return static_cast<Value>(std::get<std::int64_t>(given));
+  } else if constexpr (kLength<Value> > 0) {
+    Value value{};
+    std::copy_n(std::get<std::vector<double>>(given).begin(), kLength<Value>, value.begin());
+    return value;
+  } else {
+    return std::get<Value>(given);
+  }
+}
+
+/// Type, choices and the range of what the type can hold.
+template <typename Value>
+void setType(Field& field) {
+  if constexpr (std::is_enum_v<Value>) {
+    field.type = FieldType::kEnum;
+    for (const EnumName<Value>& each : EnumNames<Value>::kValues)
+      field.choices.emplace_back(each.name, each.text);
+  } else if constexpr (std::is_integral_v<Value> && !std::is_same_v<Value, bool>) {
+    field.type = FieldType::kInt;
+    // What every way of setting a parameter can carry.
+    constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+    field.range.lowest = std::max(field.range.lowest, std::is_unsigned_v<Value> ? 0.0 : -kMost);
+    field.range.highest = std::min(field.range.highest, kMost);
+  } else if constexpr (kLength<Value> > 0) {
+    field.type = FieldType::kDoubleList;
+    field.length = kLength<Value>;
+  } else {
+    constexpr bool kFlag = std::is_same_v<Value, bool>;
+    constexpr bool kReal = std::is_same_v<Value, double>;
+    constexpr bool kInts = std::is_same_v<Value, std::vector<int>>;
+    constexpr bool kText = std::is_same_v<Value, std::string>;
+    static_assert(kFlag || kReal || kInts || kText || std::is_same_v<Value, std::vector<std::string>>);
+    field.type = kFlag   ? FieldType::kBool
+                 : kReal ? FieldType::kDouble
+                 : kInts ? FieldType::kIntList
+                 : kText ? FieldType::kText
+                         : FieldType::kTextList;
+  }
+}
+
+}  // namespace detail
+
 template <typename Value>
 void FieldList::add(const char* name, Value& value, const char* text, const char* unit, Range range) {
   Field field;
@@ -192,47 +271,19 @@ void FieldList::add(const char* name, Value& value, const char* text, const char
   field.at_start = (flags_ & kAtStart) != 0;
   field.live_only = (flags_ & kLiveOnly) != 0;
   field.address = &value;
-  if constexpr (std::is_same_v<Value, bool>) {
-    field.type = FieldType::kBool;
-    field.get = [&value] { return FieldValue(value); };
-    field.put = [&value](const FieldValue& given) { value = std::get<bool>(given); };
-  } else if constexpr (std::is_enum_v<Value>) {
-    field.type = FieldType::kEnum;
-    for (const EnumName<Value>& each : EnumNames<Value>::kValues)
-      field.choices.emplace_back(each.name, each.text);
-    field.get = [&value] { return FieldValue(std::string(toString(value))); };
-    field.put = [&value](const FieldValue& given) {
-      value = fromString<Value>(std::get<std::string>(given));
-    };
-  } else if constexpr (std::is_integral_v<Value>) {
-    field.type = FieldType::kInt;
-    // What every way of setting a parameter can carry.
-    constexpr double kMost = std::numeric_limits<std::int32_t>::max();
-    field.range.lowest = std::max(range.lowest, std::is_unsigned_v<Value> ? 0.0 : -kMost);
-    field.range.highest = std::min(range.highest, kMost);
-    field.get = [&value] { return FieldValue(static_cast<std::int64_t>(value)); };
-    field.put = [&value](const FieldValue& given) {
-      value = static_cast<Value>(std::get<std::int64_t>(given));
-    };
-  } else if constexpr (std::is_same_v<Value, std::optional<double>>) {
-    field.type = FieldType::kDouble;
+  if constexpr (detail::OptionalValue<Value>::value) {
+    using Inner = typename Value::value_type;
+    detail::setType<Inner>(field);
     field.optional = true;
-    field.get = [&value] { return value ? FieldValue(*value) : FieldValue(); };
+    field.get = [&value] { return value ? detail::toFieldValue(*value) : FieldValue(); };
     field.put = [&value](const FieldValue& given) {
-      const double* number = std::get_if<double>(&given);
-      value = number != nullptr ? std::optional<double>(*number) : std::nullopt;
+      value.reset();
+      if (!std::holds_alternative<std::monostate>(given)) value = detail::fromFieldValue<Inner>(given);
     };
   } else {
-    constexpr bool kReal = std::is_same_v<Value, double>;
-    constexpr bool kInts = std::is_same_v<Value, std::vector<int>>;
-    constexpr bool kText = std::is_same_v<Value, std::string>;
-    static_assert(kReal || kInts || kText || std::is_same_v<Value, std::vector<std::string>>);
-    field.type = kReal   ? FieldType::kDouble
-                 : kInts ? FieldType::kIntList
-                 : kText ? FieldType::kText
-                         : FieldType::kTextList;
-    field.get = [&value] { return FieldValue(value); };
-    field.put = [&value](const FieldValue& given) { value = std::get<Value>(given); };
+    detail::setType<Value>(field);
+    field.get = [&value] { return detail::toFieldValue(value); };
+    field.put = [&value](const FieldValue& given) { value = detail::fromFieldValue<Value>(given); };
   }
   fields_.push_back(std::move(field));
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -30,14 +32,41 @@
 
 namespace radar_dot {
 
-/// One radar of the parameter `radars`.
+/// What is taken for the time of a scan.
+enum class StampSource { kHeader, kArrival };
+template <>
+struct EnumNames<StampSource> {
+  static constexpr EnumName<StampSource> kValues[] = {
+      {StampSource::kHeader, "header", "the stamp of the message"},
+      {StampSource::kArrival, "arrival",
+       "when it arrives: for drivers that leave the stamp empty or take it from a clock of the radar"}};
+};
+
+/// One radar of the parameter `radars`: what holds for it alone. Read what is effective with extractionOf,
+/// rateOf and, of the members, withPreset.
 struct RadarEntry {
   std::string topic;
-  std::optional<double> doppler_scale;
-  double mount_yaw_correction = 0.0;
+  std::string preset;      ///< a file in config/radars, without .yaml, or a path with a slash
+  std::string frame_id;    ///< taken instead of that of the messages
+  std::string only_frame;  ///< messages of other frames are of other radars; empty: all are of this one
+  std::optional<StampSource> stamp;                           ///< not set: of the header
+  std::optional<double> time_offset;                          ///< s, added to the stamp
+  std::optional<std::array<double, 3>> mount_xyz, mount_rpy;  ///< m, rad; see mountOf
+  double mount_yaw_correction = 0.0;                          ///< rad
+  std::optional<double> unambiguous_velocity;                 ///< m/s
+  std::map<std::string, FieldValue> overrides;  ///< of ExtractionParams and RateParams, by their names
 
   void describe(FieldList& fields);
 };
+
+/// The entry with the values of its preset where it has none itself, and no preset.
+/// @throws InvalidParameter where there is no such preset, or no valid one
+RadarEntry withPreset(const RadarEntry& entry);
+/// T_base_from_sensor of mount_xyz and mount_rpy (about fixed axes: roll, then pitch, then yaw, as in URDF
+/// and static_transform_publisher), without mount_yaw_correction; none where they are not set.
+std::optional<Eigen::Isometry3d> mountOf(const RadarEntry& entry);
+/// The mount, as set or from elsewhere, with mount_yaw_correction.
+Eigen::Isometry3d corrected(const Eigen::Isometry3d& T_base_from_sensor, const RadarEntry& entry);
 
 /// What the diagnostics expect of the inputs of the radar half.
 struct RateParams {
@@ -48,12 +77,36 @@ struct RateParams {
   void describe(FieldList& fields);
 };
 
+/// Where the rotation of the vehicle comes from.
+enum class RotationSourceKind { kRadar, kOdometry, kImu, kTf };
+template <>
+struct EnumNames<RotationSourceKind> {
+  static constexpr EnumName<RotationSourceKind> kValues[] = {
+      {RotationSourceKind::kRadar, "radar", "the radars"},
+      {RotationSourceKind::kOdometry, "odometry", "the orientation on rotation/odom"},
+      {RotationSourceKind::kImu, "imu",
+       "angular velocity, and for the attitude of the odometry gravity, on rotation/imu"},
+      {RotationSourceKind::kTf, "tf",
+       "the orientation of base_frame in rotation_fixed_frame, as something else than the "
+       "radars tells it"}};
+};
+
+/// A source of rotation besides the radars.
+struct RotationParams {
+  RotationSourceKind source = RotationSourceKind::kRadar;
+  std::string fixed_frame = "map";
+  std::string odom_frame = "odom";
+
+  void describe(FieldList& fields);
+};
+
 /// Nodelet EgoVelocity, section ego_velocity.
 struct EgoVelocityConfig : SweepEstimatorParams {
   std::string base_frame = "base_link";
   std::map<std::string, RadarEntry> radars;
   SweepParams sweep;
-  int queue_size = 5;
+  RotationParams rotation;
+  int queue_size = 20;
   RateParams rate;
 
   ExtractionParams extraction;
@@ -69,26 +122,11 @@ struct EgoVelocityConfig : SweepEstimatorParams {
 };
 /// @throws InvalidParameter of fields, of rules between them, or of one radar as "radars/front"
 void validate(const EgoVelocityConfig& config);
-
-/// Where rotations between the stamps of twists come from.
-enum class RotationSourceKind { kRadar, kOdometry, kImu, kTf };
-template <>
-struct EnumNames<RotationSourceKind> {
-  static constexpr EnumName<RotationSourceKind> kValues[] = {
-      {RotationSourceKind::kRadar, "radar", "the yaw rate of the twists"},
-      {RotationSourceKind::kOdometry, "odometry", "the orientation on rotation/odom"},
-      {RotationSourceKind::kImu, "imu", "the angular velocity on rotation/imu"},
-      {RotationSourceKind::kTf, "tf", "the orientation of base_frame in rotation_fixed_frame"}};
-};
-
-/// A source of rotation besides the radars.
-struct RotationParams {
-  RotationSourceKind source = RotationSourceKind::kRadar;
-  std::string fixed_frame = "map";
-  std::string odom_frame = "odom";
-
-  void describe(FieldList& fields);
-};
+/// The common parameters with what the entry and its preset set otherwise. @throws InvalidParameter
+ExtractionParams extractionOf(const EgoVelocityConfig& config, const RadarEntry& entry);
+RateParams rateOf(const EgoVelocityConfig& config, const RadarEntry& entry);
+/// For RadarScan, m/s of range rates as they are scaled: infinite where they are not ambiguous.
+double unambiguousVelocityOf(const RadarEntry& entry, const ExtractionParams& extraction);
 
 /// Nodelet Odometry, section odometry.
 struct OdometryConfig {

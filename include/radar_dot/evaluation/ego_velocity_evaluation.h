@@ -51,8 +51,8 @@ inline constexpr std::array<const char*, 5> kVariants = {"B1", "A1", "B2", "A2",
 struct ModelErrors {
   Mean vx, vy;    ///< m/s, absolute
   Mean yaw_rate;  ///< rad/s, absolute; empty for models without yaw rate
-  /// Squared error over the estimate's own variance, of observed axes: about 1 where the covariance is
-  /// right, more where it is too small or the ground truth has errors of its own.
+  /// Squared error over the estimate's own variance, of what is observed or assumed: about 1 where the
+  /// covariance is right, more where it is too small or the ground truth has errors of its own.
   Mean normalised_vx, normalised_vy, normalised_yaw_rate;
   void describe(Figures& figures);
 };

@@ -7,10 +7,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "radar_dot/common/angular_velocity.h"
 #include "radar_dot/common/fields.h"
 #include "radar_dot/common/radar_noise.h"
 #include "radar_dot/common/span.h"
@@ -149,8 +152,17 @@ struct RadarScan {
   /// velocities were measured; positions are right as measured. A radar that brings its positions forward by
   /// the time T while the vehicle turns with the rate w needs T w, see SweepEstimatorParams::bearing_delay.
   double bearing_rotation = 0.0;
+  /// m/s; range rates of the scan are known modulo twice this, see DopplerUnwrapping.
+  double unambiguous_velocity = std::numeric_limits<double>::infinity();
 
   bool knownDynamic(std::size_t i) const { return i < known_dynamic.size() && known_dynamic[i] != 0; }
+};
+
+/// Where an axis of the velocity comes from.
+enum class AxisSource : std::uint8_t {
+  kAssumed,    ///< zero by the motion model
+  kEstimated,  ///< parameter of the model, from the returns
+  kGiven,      ///< from the AngularVelocity
 };
 
 /// What became of an estimate.
@@ -159,6 +171,7 @@ enum class EstimateStatus : std::uint8_t {
   kTooFewReturns,       ///< fewer accepted returns than min_returns
   kDegenerateBearings,  ///< not even the direction of travel is constrained
   kNoConsensus,         ///< no velocity explains enough of the returns
+  kAmbiguous,           ///< more than one velocity may be true, as range rates are known modulo an interval
 };
 template <>
 struct EnumNames<EstimateStatus> {
@@ -166,7 +179,8 @@ struct EnumNames<EstimateStatus> {
       {EstimateStatus::kOk, "ok"},
       {EstimateStatus::kTooFewReturns, "too few returns"},
       {EstimateStatus::kDegenerateBearings, "degenerate bearings"},
-      {EstimateStatus::kNoConsensus, "no consensus"}};
+      {EstimateStatus::kNoConsensus, "no consensus"},
+      {EstimateStatus::kAmbiguous, "ambiguous Doppler"}};
 };
 
 /// Label of one return.
@@ -175,10 +189,10 @@ enum class ReturnLabel : std::uint8_t { kStatic = 0, kDynamic = 1 };
 /// The vehicle's velocity in the base frame, and the residual and label of every return.
 /// Arrays run over all scans in the order they were given.
 ///
-/// Where the returns leave directions free, they determine a family of velocities. Its member with
-/// the least sideslip is given, `observed` marks the axes that are not determined, and their
-/// variance is unobserved_variance along the free directions: what is determined jointly (the
-/// velocity at a single radar, say) stays well determined in the covariance.
+/// Where the returns leave directions free, they determine a family of velocities. Its member with the least
+/// sideslip (spatial: the least yaw rate) is given, `observed` marks the axes that are not determined, and
+/// each of them has a variance of unobserved_variance or more, along the free directions: what is determined
+/// jointly (the velocity at a single radar, say) stays well determined in the covariance.
 struct EgoVelocityResult {
   EstimateStatus status = EstimateStatus::kTooFewReturns;
   std::string reason;  ///< empty when valid; else one line with the figures
@@ -187,10 +201,12 @@ struct EgoVelocityResult {
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s, base frame
   /// Order vx vy vz wx wy wz. Axes outside the model, and directions the bearings do not
   /// constrain, carry unobserved_variance; vy of the ackermann model, which is an assumption of the
-  /// model and not a gap in the data, carries sideslip_std^2.
+  /// model and not a gap in the data, carries sideslip_std^2. That, and the covariance of a given angular
+  /// velocity, widen what is estimated and correlate with it.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  /// For each axis (vx vy vz wx wy wz): estimated by the model and constrained by the returns.
+  /// For each axis (vx vy vz wx wy wz): estimated by the model and constrained by the returns, or given.
   std::array<bool, 6> observed{};
+  std::array<AxisSource, 6> sources{};
   bool fully_observed = false;    ///< every parameter of the motion model is observed
   double condition_number = 0.0;  ///< of the design matrix; infinite when a direction is free
   double rms = 0.0;               ///< m/s, of the inliers' residuals
@@ -203,6 +219,8 @@ struct EgoVelocityResult {
   std::vector<std::size_t> offsets;  ///< start of each scan in the two arrays, plus the end
 
   bool valid() const noexcept { return status == EstimateStatus::kOk; }
+  /// Nothing is known: zero velocity, every axis with this variance.
+  void clearVelocity(double unobserved_variance);
 };
 
 /// Velocity of a vehicle from one sweep of its radars.
@@ -211,6 +229,7 @@ struct EgoVelocityResult {
 ///     d = -u.(v + w x t)   <=>   [u, t x u].[v, w] = -d
 /// (the paper's Doppler constraint, extended by the lever arm of the mount). A scan taken at time
 /// s is brought to the reference time with the given acceleration a: u.v = -(d + u.a (s - s_ref)).
+/// Where w is known from elsewhere, u.(w x t) goes to the right-hand side, and the yaw rate is no parameter.
 ///
 /// Not thread-safe; keeps its memory between calls, so that a steady stream into one result does not
 /// allocate.
@@ -228,10 +247,14 @@ class EgoVelocityEstimator {
   /// @param result          replaced; its memory is used again. Bad geometry or data refuse with status and
   ///         reason; nothing throws. Returns that are not finite, or whose mount or time is not, take no part
   ///         and are labelled static.
+  /// @param known           the vehicle's angular velocity where another source tells it; one that is not
+  ///                        finite is none
   void estimate(const std::vector<RadarScan>& scans, double reference_time,
-                const Eigen::Vector3d& acceleration, EgoVelocityResult& result);
+                const Eigen::Vector3d& acceleration, EgoVelocityResult& result,
+                const std::optional<AngularVelocity>& known = std::nullopt);
   EgoVelocityResult estimate(const std::vector<RadarScan>& scans, double reference_time,
-                             const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero());
+                             const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero(),
+                             const std::optional<AngularVelocity>& known = std::nullopt);
 
   const EgoVelocityParams& params() const noexcept;
 

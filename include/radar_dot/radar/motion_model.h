@@ -21,7 +21,8 @@ struct EnumNames<MotionModel> {
       {MotionModel::kPlanar, "planar", "vx, vy: the model of the paper"},
       {MotionModel::kPlanarYaw, "planar_yaw", "vx, vy and the yaw rate"},
       {MotionModel::kAckermann, "ackermann", "vx and the yaw rate; the base frame is at the rear axle"},
-      {MotionModel::kSpatial, "spatial", "vx, vy, vz: for radars that measure elevation"}};
+      {MotionModel::kSpatial, "spatial",
+       "vx, vy, vz and the yaw rate, as far as the mounts tell them: for radars that measure elevation"}};
 };
 
 }  // namespace radar_dot

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,8 +26,30 @@ enum class ScalarType : std::uint8_t {
 /// Bytes of one scalar of this type; 0 for a value outside the enumeration.
 std::size_t scalarSize(ScalarType type) noexcept;
 
-/// Reads one scalar (native byte order, any alignment) and widens it.
-double readScalar(const std::uint8_t* data, ScalarType type) noexcept;
+namespace detail {
+template <typename T>
+double load(const std::uint8_t* data) noexcept {
+  T value;
+  std::memcpy(&value, data, sizeof value);
+  return static_cast<double>(value);
+}
+}  // namespace detail
+
+/// Reads one scalar (native byte order, any alignment) and widens it. Inline: it is called for every field of
+/// every return.
+inline double readScalar(const std::uint8_t* data, ScalarType type) noexcept {
+  switch (type) {
+    case ScalarType::kInt8: return detail::load<std::int8_t>(data);
+    case ScalarType::kUint8: return detail::load<std::uint8_t>(data);
+    case ScalarType::kInt16: return detail::load<std::int16_t>(data);
+    case ScalarType::kUint16: return detail::load<std::uint16_t>(data);
+    case ScalarType::kInt32: return detail::load<std::int32_t>(data);
+    case ScalarType::kUint32: return detail::load<std::uint32_t>(data);
+    case ScalarType::kFloat32: return detail::load<float>(data);
+    case ScalarType::kFloat64: return detail::load<double>(data);
+  }
+  return 0.0;
+}
 
 /// One named column of a point cloud.
 struct PointField {
@@ -72,6 +95,12 @@ struct PointCloud {
 
 /// The field called `name`, or nullptr.
 const PointField* findField(const std::vector<PointField>& fields, std::string_view name) noexcept;
+
+/// The same, and where there is none of exactly this name, the first that differs from it by case alone.
+const PointField* findFieldAnyCase(const std::vector<PointField>& fields, std::string_view name) noexcept;
+
+/// Why this field cannot be read from points of `point_step` bytes; empty: it can.
+std::string defectOf(const PointField& field, std::size_t point_step);
 
 /// "x, y, z, rcs": for messages.
 std::string fieldNames(const std::vector<PointField>& fields);

@@ -4,8 +4,10 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "radar_dot/radar/doppler_unwrapping.h"
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/radar/odometry.h"
 #include "radar_dot/radar/velocity_filter.h"
@@ -16,7 +18,7 @@ namespace radar_dot {
 struct SweepEstimatorParams {
   double bearing_delay = 0.0;  ///< s, by which positions of returns are later than their velocities
   EgoVelocityParams estimator;
-  bool filter = true;
+  bool filter = true;         ///< of a vehicle in the plane: not with the spatial model
   bool filter_radars = true;  ///< it takes the velocity of each radar alone; else the joint estimates
   VelocityFilterParams filter_params;
 };
@@ -32,7 +34,8 @@ struct SweepEstimate {
   /// Over the sweeps: none without the filter, without a valid estimate, or where that is not later than the
   /// one before.
   std::optional<Filtered> filtered;
-  bool filters = true;  ///< the filter is on
+  bool filters = true;          ///< the filter is on, and the model one of a motion in the plane
+  std::string assumption = {};  ///< one line where `single` rests on one: DopplerUnwrapping::assumption
 
   /// What ego/twist says of the sweep: filtered, or of the sweep alone where the filter is off; none as for
   /// `filtered`, or without a valid estimate.
@@ -51,8 +54,13 @@ class SweepEstimator {
   /// mounts. @throws InvalidParameter, without any change
   void configure(const SweepEstimatorParams& params);
 
-  /// Turns the bearings of the scans, and estimates. @param time  s, of the newest scan
-  SweepEstimate estimate(std::vector<RadarScan>& scans, double time);
+  /// Turns the bearings of the scans, unwraps their range rates where those are ambiguous (the returns of
+  /// `scans` then stay here until the next call), and estimates.
+  /// @param time   s, of the newest scan
+  /// @param known  the angular velocity then, where another source tells it: then a single radar away from
+  ///               the origin tells the velocity of the origin
+  SweepEstimate estimate(std::vector<RadarScan>& scans, double time,
+                         const std::optional<AngularVelocity>& known = std::nullopt);
 
   /// What the sweeps so far say of other scans: sets their bearing_rotation by the latest yaw rate.
   void turnBearings(std::vector<RadarScan>& scans) const;
@@ -66,12 +74,18 @@ class SweepEstimator {
   const VelocityFilter& filter() const noexcept { return filter_; }
 
  private:
+  /// The velocity at the latest sweep: of that alone, which follows any jerk, or, where it lacks vx, of the
+  /// filter.
+  std::optional<StampedTwist> latestVelocity() const;
+
   EgoVelocityEstimator estimator_;
+  DopplerUnwrapping unwrapping_;
   AccelerationTracker tracker_;
   VelocityFilter filter_;
   bool filters_ = true, filters_radars_ = true;
-  double bearing_delay_ = 0.0;          // s
-  std::optional<StampedTwist> latest_;  // valid estimate
+  double bearing_delay_ = 0.0;           // s
+  std::optional<StampedTwist> latest_;   // valid estimate
+  std::optional<StampedTwist> turning_;  // the same, or the angular velocity of another source alone
 };
 
 }  // namespace radar_dot

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -80,6 +81,9 @@ struct VelocityFilterParams {
 /// Each measurement must lie within the 99.9 % ellipsoid of its innovation covariance. Updates are in Joseph
 /// form.
 ///
+/// Axes that the motion model of the estimates assumes keep the assumed value, and its variance, which widens
+/// what is estimated (Schmidt's consider states): with the ackermann model vy stays 0 within sideslip_std.
+///
 /// An update in which more measurements were refused than used is rejected. After max_rejected of them in a
 /// row, or a gap, the filter restarts from the estimate at hand and keeps what it learnt of the mounts.
 ///
@@ -87,6 +91,10 @@ struct VelocityFilterParams {
 /// and 6.
 class VelocityFilter {
  public:
+  using Sources = std::array<AxisSource, 3>;
+  static constexpr Sources kEstimatedAxes = {AxisSource::kEstimated, AxisSource::kEstimated,
+                                             AxisSource::kEstimated};
+
   /// What became of an update.
   enum class Outcome : std::uint8_t {
     kStarted,  ///< first estimate, after a reset, a gap, or too many rejections
@@ -108,11 +116,12 @@ class VelocityFilter {
 
   /// A velocity [vx, vy, w] at `time` (s) and its covariance.
   /// @param sensors  the radars of the sweep, each at its own time, which may precede the update before by a
-  ///                 little; with them the joint estimate only starts the filter
+  ///                 little; with them the joint estimate only starts the filter, and tells what is given
+  /// @param sources  of vx, vy, w; the filter restarts where others are assumed than before
   Outcome update(double time, const Eigen::Vector3d& velocity, const Eigen::Matrix3d& covariance,
-                 const std::vector<SensorVelocity>& sensors = {});
+                 const std::vector<SensorVelocity>& sensors = {}, const Sources& sources = kEstimatedAxes);
 
-  /// The same of an estimate of EgoVelocityEstimator, whatever its motion model.
+  /// The same of an estimate of EgoVelocityEstimator in the plane, whatever its motion model.
   Outcome update(double time, const EgoVelocityResult& result, const std::vector<SensorVelocity>& sensors);
 
   bool started() const noexcept { return started_; }
@@ -123,6 +132,7 @@ class VelocityFilter {
   double time() const noexcept { return time_; }                              ///< s, of the latest update
   /// rad, to be added to the yaw of the mount; 0 for radars not seen yet.
   double mountYaw(std::size_t radar) const;
+  double mountYawVariance(std::size_t radar) const;  ///< rad^2, of mountYaw()
   /// Forgets everything, what was learnt of the mounts as well.
   void reset();
 
@@ -135,6 +145,7 @@ class VelocityFilter {
   void predict(double time);
   void constrainSlip(double interval);
   Measurement measurementOf(const SensorVelocity& sensor) const;
+  Measurement jointMeasurement(const Eigen::Vector3d& velocity, Eigen::Matrix3d covariance) const;
   bool correct(const Measurement& measurement);
   Outcome conclude(double time, const Eigen::Vector3d& velocity, const Eigen::Matrix3d& covariance,
                    std::size_t used, std::size_t refused);
@@ -142,9 +153,10 @@ class VelocityFilter {
 
   VelocityFilterParams params_;
   bool started_ = false;
-  double time_ = 0.0;         ///< s, the state holds at
-  double last_update_ = 0.0;  ///< s
-  int rejected_ = 0;          ///< in a row
+  double time_ = 0.0;              ///< s, the state holds at
+  double last_update_ = 0.0;       ///< s
+  int rejected_ = 0;               ///< in a row
+  std::array<bool, 3> assumed_{};  ///< vx, vy, w
   Eigen::VectorXd state_;
   Eigen::MatrixXd covariance_;
   std::vector<double> last_scan_;  ///< s, by radar: of its latest used measurement

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "nodelets/common/read_parameters.h"
-#include "radar_dot/radar/sweep_assembler.h"
+#include "radar_dot/config/sections.h"
 
 namespace radar_dot {
 namespace {
@@ -19,6 +19,9 @@ constexpr std::size_t kRateStamps = 27;  // two seconds of a radar at 13 Hz
 
 // Scans that may wait for their sweep when a report is due.
 constexpr std::size_t kWaiting = 1;
+
+// A larger share of clouds that did not arrive is worth a warning.
+constexpr double kMaxShareLost = 0.05;
 
 }  // namespace
 
@@ -63,7 +66,7 @@ void StreamMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status
     status.summary(DiagnosticStatus::ERROR, "nothing received yet");
   } else if (quiet > expectation_.silent_after) {
     status.summaryf(DiagnosticStatus::ERROR, "silent for %.1f s", quiet);
-  } else if (std::abs(age_) > expectation_.max_age) {
+  } else if (isOffTheClock()) {
     status.summaryf(DiagnosticStatus::WARN, "stamps are %.2f s %s the clock", std::abs(age_),
                     age_ > 0.0 ? "behind" : "ahead of");
   } else if (hertz > 0.0 && expectation_.rate > 0.0 &&
@@ -78,9 +81,10 @@ void StreamMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status
 }
 
 void checkHeader(const std_msgs::Header& header, const ros::Time& now) {
-  if (header.frame_id.empty()) throw std::invalid_argument("its frame_id is empty");
-  const std::string defect = stampDefect(header.stamp, now);
-  if (!defect.empty()) throw std::invalid_argument(defect);
+  std::string defects = header.frame_id.empty() ? "its frame_id is empty" : "";
+  const std::string stamp = stampDefect(header.stamp, now);
+  defects += (defects.empty() || stamp.empty() ? "" : "; ") + stamp;
+  if (!defects.empty()) throw std::invalid_argument(defects);
 }
 
 bool InputMonitor::accept(const std_msgs::Header& header, const ros::Time& now) {
@@ -159,10 +163,26 @@ void InputMonitor::report(const ros::Time& now, diagnostic_updater::DiagnosticSt
   good_ = refused_ = 0;
 }
 
-void RadarMonitor::scan(const std::string& frame, const ExtractionCounts& counts) {
+void RadarMonitor::scan(const std::string& frame, const ExtractionCounts& counts, std::size_t lost) {
+  frames_vary_ = frames_vary_ || (!frame_.empty() && frame != frame_);
   frame_ = frame;
   counts_ = counts;
+  lost_ = lost;
   ++scans_;
+}
+
+bool RadarMonitor::describe(const std::string& description) {
+  if (description == description_) return false;
+  description_ = description;
+  return true;
+}
+
+void RadarMonitor::agreement(const RadarAgreement::Figures& figures, const SweepLosses& losses,
+                             double mount_yaw, double mount_yaw_std) {
+  figures_ = figures;
+  losses_ = losses;
+  mount_yaw_ = mount_yaw;
+  mount_yaw_std_ = mount_yaw_std;
 }
 
 std::size_t RadarMonitor::outside() const { return scans_ > used_ ? scans_ - used_ : 0; }
@@ -184,20 +204,49 @@ void RadarMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status)
                          "parameter %s",
                          outside(), scans_, window_, nameOf(names, names.window));
   }
+  const std::size_t lost = lost_ - lost_at_report_;
+  if (static_cast<double>(lost) > kMaxShareLost * static_cast<double>(lost + scans_)) {
+    const EgoVelocityConfig names;
+    status.mergeSummaryf(DiagnosticStatus::WARN,
+                         "%zu of %zu clouds lost before they arrived: %s, or the load", lost, lost + scans_,
+                         nameOf(names, names.queue_size));
+  }
+  if (frames_vary_) {
+    const RadarEntry names;
+    status.mergeSummaryf(DiagnosticStatus::WARN,
+                         "clouds of several frames: radars that share a topic need %s",
+                         nameOf(names, names.only_frame));
+  }
+  if (!stream().received() && !other_frame_.empty())
+    status.mergeSummary(DiagnosticStatus::ERROR, "only clouds of frame '" + other_frame_ + "' arrive");
+  if (stream().isOffTheClock()) {
+    const RadarEntry names;
+    status.mergeSummaryf(DiagnosticStatus::WARN, "%s: arrival takes the time of arrival, %s corrects a delay",
+                         nameOf(names, names.stamp), nameOf(names, names.time_offset));
+  }
+  if (!figures_.warning.empty()) status.mergeSummary(DiagnosticStatus::WARN, figures_.warning);
+  status.add("reads", description_);
   status.add("frame", frame_);
+  status.addf("inlier share", "%.2f", figures_.inlier_share);
+  status.addf("median residual (m/s)", "%.3f", figures_.median_residual);
+  status.addf("yaw correction of the mount (rad)", "%.4f +- %.4f", figures_.yaw_correction, figures_.yaw_std);
+  status.addf("yaw of the mount learnt by the filter (rad)", "%.4f +- %.4f", mount_yaw_, mount_yaw_std_);
   status.addf("returns", "%zu", counts_.total);
   status.addf("returns accepted", "%zu", counts_.accepted);
   status.addf("returns not finite", "%zu", counts_.not_finite);
   status.addf("scans used", "%zu of %zu", used_, scans_);
+  status.addf("clouds lost before they arrived", "%zu", lost_);
+  status.addf("scans in no sweep", "%zu outside the window, %zu late, %zu at a reset", losses_.outside_window,
+              losses_.late, losses_.forgotten);
   scans_ = used_ = 0;
+  frames_vary_ = false;
+  lost_at_report_ = lost_;
 }
 
 void EstimatorMonitor::estimate(const ros::Time& stamp, const ros::Time& arrival,
-                                const EgoVelocityResult& result, std::size_t left_out,
-                                double computation_time) {
+                                const EgoVelocityResult& result, double computation_time) {
   stream_.tick(stamp, arrival);
   ++estimates_in_all_;
-  left_out_in_all_ += left_out;
   computation_time_ = computation_time;
   inlier_share_ = result.return_count == 0
                       ? 0.0
@@ -227,6 +276,7 @@ void EstimatorMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& sta
   } else if (valid_ > 0 && !fully_observed_) {
     status.mergeSummary(DiagnosticStatus::WARN, "the returns do not constrain every component");
   }
+  if (!warning_.empty()) status.mergeSummary(DiagnosticStatus::WARN, warning_);
   status.addf("inlier share", "%.2f", inlier_share_);
   status.addf("condition number", "%.2f", condition_number_);
   status.addf("rms (m/s)", "%.3f", rms_);
@@ -234,7 +284,6 @@ void EstimatorMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& sta
   status.addf("estimates", "%zu", estimates_in_all_);
   status.addf("estimates refused", "%zu", refused_in_all_);
   status.add("last refusal", reason_);
-  status.addf("scans outside the window", "%zu", left_out_in_all_);
   valid_ = refused_ = 0;
 }
 

@@ -7,6 +7,7 @@
 #include <ros/time.h>
 #include <std_msgs/Header.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -16,6 +17,8 @@
 #include "nodelets/inputs/stamp_guard.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
+#include "radar_dot/radar/radar_agreement.h"
+#include "radar_dot/radar/sweep_assembler.h"
 
 namespace radar_dot {
 
@@ -42,6 +45,8 @@ class StreamMonitor {
   double rate() const;                          ///< Hz, over the last stamps; 0: unknown
   double age() const noexcept { return age_; }  ///< s, of the latest message when it arrived
   bool received() const noexcept { return !stamps_.empty(); }
+  /// The stamp of the latest message was too far from the clock.
+  bool isOffTheClock() const { return received() && std::abs(age_) > expectation_.max_age; }
   double silence(const ros::Time& now) const;  ///< s since the latest message
 
   /// Adds level, summary and figures: ERROR when silent, WARN when rate or age are off.
@@ -57,7 +62,7 @@ class StreamMonitor {
 };
 
 /// Checks that hold for every stamped message: frame given, stamp given and not ahead of the clock.
-/// @throws std::invalid_argument saying what is wrong
+/// @throws std::invalid_argument saying all that is wrong
 void checkHeader(const std_msgs::Header& header, const ros::Time& now);
 
 /// One input of a nodelet: its order of stamps, its health, and what was refused of it.
@@ -132,8 +137,16 @@ class RadarMonitor final : public InputMonitor {
   RadarMonitor(std::string name, StreamExpectation expectation, double window)
       : InputMonitor(std::move(name), expectation, true, "cloud"), window_(window) {}
 
-  /// A cloud that was read, for a sweep.
-  void scan(const std::string& frame, const ExtractionCounts& counts);
+  /// A cloud that was read, for a sweep. @param lost  messages that have not arrived, in all
+  void scan(const std::string& frame, const ExtractionCounts& counts, std::size_t lost);
+  /// What is read, and how. @return true when it is news
+  bool describe(const std::string& description);
+  /// A message of a shared topic is of another radar.
+  void other(const std::string& frame) { other_frame_ = frame; }
+  /// How the radar agrees with the others, and which of its scans came into no sweep.
+  /// @param mount_yaw, mount_yaw_std  rad, as the velocity filter has learnt it
+  void agreement(const RadarAgreement::Figures& figures, const SweepLosses& losses, double mount_yaw,
+                 double mount_yaw_std);
   /// A scan found its place in a sweep.
   void used() { ++used_; }
   /// The mount of the radar: `error` is empty when TF knows it.
@@ -145,11 +158,17 @@ class RadarMonitor final : public InputMonitor {
   std::size_t outside() const;  ///< scans since the last report that no sweep used
 
   double window_;
-  std::string frame_;
+  std::string frame_, other_frame_, description_;
   std::string mount_error_;
   ExtractionCounts counts_;
-  std::size_t scans_ = 0;  ///< since the last report
-  std::size_t used_ = 0;   ///< since the last report
+  RadarAgreement::Figures figures_;
+  SweepLosses losses_;
+  double mount_yaw_ = 0.0, mount_yaw_std_ = 0.0;  ///< rad
+  bool frames_vary_ = false;                      ///< since the last report
+  std::size_t scans_ = 0;                         ///< since the last report
+  std::size_t used_ = 0;                          ///< since the last report
+  std::size_t lost_ = 0;                          ///< in all
+  std::size_t lost_at_report_ = 0;                ///< at the last report
 };
 
 /// Health of the estimator.
@@ -158,7 +177,9 @@ class EstimatorMonitor {
   explicit EstimatorMonitor(StreamExpectation expectation) : stream_(expectation) {}
 
   void estimate(const ros::Time& stamp, const ros::Time& arrival, const EgoVelocityResult& result,
-                std::size_t left_out, double computation_time);
+                double computation_time);
+  /// What contradicts the estimates; empty: nothing.
+  void warn(std::string warning) { warning_ = std::move(warning); }
   void reset();
 
   /// Reports, and starts the next interval.
@@ -166,12 +187,12 @@ class EstimatorMonitor {
 
  private:
   StreamMonitor stream_;
-  std::string reason_;
+  std::string reason_, warning_;
   double inlier_share_ = 0.0, condition_number_ = 0.0, rms_ = 0.0, computation_time_ = 0.0;
   bool fully_observed_ = true;
   std::size_t valid_ = 0;    ///< since the last report
   std::size_t refused_ = 0;  ///< since the last report
-  std::size_t estimates_in_all_ = 0, refused_in_all_ = 0, left_out_in_all_ = 0;
+  std::size_t estimates_in_all_ = 0, refused_in_all_ = 0;
 };
 
 }  // namespace radar_dot

@@ -289,6 +289,7 @@ XmlRpcValue toXmlRpc(const Field& field) {
     XmlRpcValue operator()(double number) const { return number; }
     XmlRpcValue operator()(const std::string& text) const { return text; }
     XmlRpcValue operator()(const std::vector<int>& list) const { return arrayOf(list); }
+    XmlRpcValue operator()(const std::vector<double>& list) const { return arrayOf(list); }
     XmlRpcValue operator()(const std::vector<std::string>& list) const { return arrayOf(list); }
   };
   return std::visit(Convert(), field.get());

@@ -211,12 +211,7 @@ void StreamNodelet::guard(InputMonitor& input, const std::function<void()>& body
 
 void StreamNodelet::take(Input& input, const std_msgs::Header& header, const std::function<void()>& body) {
   guard(*input.monitor, [&] {
-    input.monitor->arrived();
-    if (input.stamps == Stamps::kByBody) {
-      checkHeader(header, ros::Time::now());
-    } else {
-      accept(input, header);
-    }
+    if (input.stamps != Stamps::kByBody) accept(input, header);
     body();
   });
 }

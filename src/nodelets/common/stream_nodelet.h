@@ -69,7 +69,8 @@ class StreamNodelet : public nodelet::Nodelet {
   using Body = std::function<void(const boost::shared_ptr<const Message>&)>;
   enum class Stamps {
     kRising,
-    kByBody,     ///< the same, but the body calls acceptStamp(): what it cannot read moves no stamps
+    kByBody,     ///< the same, but the body calls acceptStamp(): what it cannot read, or is not meant for it,
+                 ///< moves no stamps
     kUnordered,  ///< as of a topic that several sensors share
     kAny,        ///< of what holds until the next one comes: its silence is no error either
   };
@@ -98,9 +99,8 @@ class StreamNodelet : public nodelet::Nodelet {
     return result;
   }
 
-  /// Takes a message of an input with Stamps::kByBody into its order; before that its header was checked
-  /// only.
-  /// @throws std::invalid_argument for a stamp that is not newer
+  /// Takes a message of an input with Stamps::kByBody into its order; until then nothing was checked.
+  /// @throws std::invalid_argument as InputMonitor::accept()
   void acceptStamp(const InputMonitor& monitor, const std_msgs::Header& header);
 
   /// `ego/twist` into `motion`, `camera_info` into `camera`, clouds of any number of sensors into `clouds`:

@@ -16,12 +16,8 @@ const PointField* readableField(const std::vector<PointField>& fields, const Poi
                                 const char* name) {
   const PointField* field = findField(fields, name);
   if (field == nullptr) return nullptr;
-  const std::size_t size = scalarSize(field->type);
-  if (size == 0) throw std::invalid_argument(std::string("its field ") + name + " has no known type");
-  if (field->offset + size > view.point_step) {
-    throw std::invalid_argument(std::string("its field ") + name + " reaches beyond the " +
-                                std::to_string(view.point_step) + " bytes of a point");
-  }
+  if (const std::string defect = defectOf(*field, view.point_step); !defect.empty())
+    throw std::invalid_argument(defect);
   return field;
 }
 

@@ -9,11 +9,6 @@
 namespace radar_dot {
 namespace {
 
-// tf2 knows no leading slash; drivers from the days of tf still send it.
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
-
 struct ReceivedTransforms {
   explicit ReceivedTransforms(const ros::NodeHandle& handle) : listener(buffer, handle, true) {}
   tf2_ros::Buffer buffer;
@@ -35,12 +30,29 @@ std::shared_ptr<tf2_ros::Buffer> sharedBuffer(const ros::NodeHandle& handle) {
 
 }  // namespace
 
+std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
 Eigen::Isometry3d isometryOf(const geometry_msgs::Transform& transform) {
   const geometry_msgs::Quaternion& q = transform.rotation;
   Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
   result.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
   result.translation() << transform.translation.x, transform.translation.y, transform.translation.z;
   return result;
+}
+
+geometry_msgs::Transform transformOf(const Eigen::Isometry3d& isometry) {
+  const Eigen::Quaterniond rotation(isometry.linear());
+  geometry_msgs::Transform transform;
+  transform.translation.x = isometry.translation().x();
+  transform.translation.y = isometry.translation().y();
+  transform.translation.z = isometry.translation().z();
+  transform.rotation.x = rotation.x();
+  transform.rotation.y = rotation.y();
+  transform.rotation.z = rotation.z();
+  transform.rotation.w = rotation.w();
+  return transform;
 }
 
 Extrinsics::Extrinsics(const std::string& base_frame, const ros::NodeHandle& handle)

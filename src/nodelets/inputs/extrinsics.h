@@ -36,7 +36,11 @@ class Extrinsics {
   std::map<std::string, Eigen::Isometry3d> last_;
 };
 
+/// tf2 knows no leading slash; drivers from the days of tf still send it.
+std::string withoutSlash(const std::string& frame);
+
 /// The transform of a message.
 Eigen::Isometry3d isometryOf(const geometry_msgs::Transform& transform);
+geometry_msgs::Transform transformOf(const Eigen::Isometry3d& isometry);
 
 }  // namespace radar_dot

@@ -4,16 +4,26 @@
 
 #include <sensor_msgs/Imu.h>
 
+#include <algorithm>
 #include <cmath>
+#include <deque>
 #include <stdexcept>
 #include <utility>
 
 #include "nodelets/inputs/stamp_guard.h"
+#include "radar_dot/common/base_motion.h"
 
 namespace radar_dot {
 namespace {
 
 constexpr std::uint32_t kQueueSize = 200;
+
+constexpr double kMaxRateAge = 0.1;    // s between the stamp that is asked for and a rate that stands for it
+constexpr double kRateMemory = 2.0;    // s of rates that are kept
+constexpr double kRateInterval = 0.1;  // s between two rotations that make a rate
+// rad/s, 1 sigma: of a rate from two rotations, with what it changes since; of a gyro beside the noise that
+// it states (many state none), its bias.
+constexpr double kDifferenceStd = 0.02, kGyroStd = 0.005;
 
 /// What both sources of messages have in common: nothing that arrives may end the process, and a
 /// wrong stamp costs no more than its own message.
@@ -91,19 +101,35 @@ class OdometrySource : public MessageSource<nav_msgs::Odometry> {
   std::string frame_;
 };
 
-/// Heading from the yaw rate of an IMU. Its orientation is not used: that of many IMUs is none.
+/// Attitude from the angular velocity of an IMU, levelled by gravity where it measures that. Its orientation
+/// is not used: that of many IMUs is none.
 class ImuSource : public MessageSource<sensor_msgs::Imu> {
  public:
   ImuSource(const ros::NodeHandle& handle, Extrinsics& extrinsics, Callbacks callbacks)
       : MessageSource(handle, "rotation/imu", std::move(callbacks)), extrinsics_(extrinsics) {}
   void reset() override {
     MessageSource::reset();
-    heading_.reset();
+    attitude_.reset();
+    rates_.clear();
+  }
+  std::optional<AngularVelocity> rateAt(const ros::Time& stamp) override {
+    const double time = stamp.toSec();
+    for (auto rate = rates_.rbegin(); rate != rates_.rend() && time - rate->first <= kMaxRateAge; ++rate)
+      if (rate->first <= time) return rate->second;
+    return std::nullopt;
+  }
+  void addVelocity(const StampedTwist& twist) override {
+    const std::optional<AngularVelocity> angular = rateAt(ros::Time(twist.time));
+    if (twist.observes(0) && angular)
+      attitude_.level(twist.time, twist.linear + angular->rate.cross(position_));
   }
   bool isAbsolute() const override { return false; }
   bool hasPosition() const override { return false; }
   std::string frame() const override { return {}; }
-  std::string describe() const override { return "IMU on '" + topic() + "'"; }
+  std::string describe() const override {
+    const bool is_flat = latest() && !attitude_.isLevel();
+    return "IMU on '" + topic() + "'" + (is_flat ? " (heading alone: its acceleration lacks gravity)" : "");
+  }
 
  private:
   void use(const sensor_msgs::Imu& imu) override {
@@ -115,21 +141,47 @@ class ImuSource : public MessageSource<sensor_msgs::Imu> {
     std::string error;
     const std::optional<Eigen::Isometry3d> mount = extrinsics_.lookup(imu.header.frame_id, error);
     if (!mount) throw std::invalid_argument(error);
-    if (restartsAt(imu.header.stamp)) heading_.reset();
+    if (restartsAt(imu.header.stamp)) {
+      attitude_.reset();
+      rates_.clear();
+    }
     const double time = imu.header.stamp.toSec();
-    if (heading_.add(time, (mount->linear() * rate).z())) {
+    const Eigen::Matrix3d& R = mount->linear();
+    position_ = mount->translation();
+    addRate(time, {R * rate, R * covarianceOf(imu.angular_velocity_covariance) * R.transpose()});
+    if (attitude_.add(time, R * rate, R * forceOf(imu))) {
       buffer_.clear();
       callbacks_.restarted();
     }
     StampedPose sample;
     sample.time = time;
-    sample.rotation = Eigen::AngleAxisd(heading_.yaw(), Eigen::Vector3d::UnitZ());
+    sample.rotation = attitude_.attitude();
     buffer_.add(sample);
     callbacks_.sample();
   }
 
+  /// What the accelerometer measures; zero where there is none.
+  static Eigen::Vector3d forceOf(const sensor_msgs::Imu& imu) {
+    const Eigen::Vector3d force(imu.linear_acceleration.x, imu.linear_acceleration.y,
+                                imu.linear_acceleration.z);
+    const bool is_measured = imu.linear_acceleration_covariance[0] != -1.0 && force.allFinite();
+    return is_measured ? force : Eigen::Vector3d::Zero();
+  }
+  static Eigen::Matrix3d covarianceOf(const boost::array<double, 9>& values) {
+    const Eigen::Matrix3d stated =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+    const Eigen::Matrix3d bias = kGyroStd * kGyroStd * Eigen::Matrix3d::Identity();
+    return stated.allFinite() ? stated + bias : bias;
+  }
+  void addRate(double time, const AngularVelocity& rate) {
+    rates_.emplace_back(time, rate);
+    while (time - rates_.front().first > kRateMemory) rates_.pop_front();
+  }
+
   Extrinsics& extrinsics_;
-  YawIntegrator heading_;
+  AttitudeIntegrator attitude_;
+  Eigen::Vector3d position_ = Eigen::Vector3d::Zero();    // of the IMU in the base frame, m
+  std::deque<std::pair<double, AngularVelocity>> rates_;  // by time, s
 };
 
 /// Pose of the base frame in a fixed frame of TF.
@@ -142,7 +194,7 @@ class TfSource : public RotationSource {
     try {
       const Eigen::Isometry3d pose = isometryOf(
           extrinsics_.buffer().lookupTransform(fixed_frame_, extrinsics_.baseFrame(), stamp).transform);
-      latest_ = stamp.toSec();
+      latest_ = std::max(latest_.value_or(0.0), stamp.toSec());
       return StampedPose(stamp.toSec(), pose);
     } catch (const std::exception&) {
       return std::nullopt;
@@ -164,6 +216,18 @@ class TfSource : public RotationSource {
 };
 
 }  // namespace
+
+std::optional<AngularVelocity> RotationSource::rateAt(const ros::Time& stamp) {
+  const double time = stamp.toSec();
+  for (const double end : {time, time - 0.5 * kMaxRateAge, time - kMaxRateAge}) {
+    if (end <= kRateInterval) break;
+    const std::optional<StampedPose> from = at(ros::Time(end - kRateInterval)), to = at(ros::Time(end));
+    if (!from || !to) continue;
+    return AngularVelocity{baseVelocity(from->isometry().inverse() * to->isometry(), kRateInterval).angular,
+                           kDifferenceStd * kDifferenceStd * Eigen::Matrix3d::Identity()};
+  }
+  return std::nullopt;
+}
 
 StampedPose poseOf(const nav_msgs::Odometry& odometry) {
   const geometry_msgs::Quaternion& q = odometry.pose.pose.orientation;

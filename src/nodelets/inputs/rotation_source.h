@@ -11,12 +11,14 @@
 #include <string>
 
 #include "nodelets/inputs/extrinsics.h"
+#include "radar_dot/common/angular_velocity.h"
 #include "radar_dot/common/pose_buffer.h"
+#include "radar_dot/common/stamped_twist.h"
 #include "radar_dot/config/sections.h"
 
 namespace radar_dot {
 
-/// Where the odometry takes its rotation from.
+/// Where the rotation of the vehicle comes from, besides the radars.
 class RotationSource {
  public:
   /// Told about the source by the one who uses it.
@@ -34,6 +36,11 @@ class RotationSource {
 
   /// Pose of the base frame in the source's own frame; none: not known, or not yet.
   virtual std::optional<StampedPose> at(const ros::Time& stamp) = 0;
+  /// Angular velocity of the base frame at `stamp`, or shortly before where nothing later has come; none: not
+  /// known. By default from the difference of two rotations.
+  virtual std::optional<AngularVelocity> rateAt(const ros::Time& stamp);
+  /// Velocity of the vehicle, at a time where at() knows the pose: tells acceleration from gravity.
+  virtual void addVelocity(const StampedTwist& twist) { static_cast<void>(twist); }
   /// Time of the latest sample, s; none: nothing received.
   virtual std::optional<double> latest() const = 0;
   virtual void reset() = 0;

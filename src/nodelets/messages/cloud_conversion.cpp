@@ -3,10 +3,12 @@
 #include "nodelets/messages/cloud_conversion.h"
 
 #include <algorithm>
+#include <boost/make_shared.hpp>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
 #include <stdexcept>
-#include <string>
 
 namespace radar_dot {
 namespace {
@@ -29,6 +31,14 @@ sensor_msgs::PointField floatField(const sensor_msgs::PointCloud2& cloud, const 
   field.datatype = sensor_msgs::PointField::FLOAT32;
   field.count = 1;
   return field;
+}
+
+/// The first of these that the cloud has; null: none.
+const PointField* firstOf(const std::vector<PointField>& fields, std::initializer_list<const char*> names) {
+  const PointField* found = nullptr;
+  for (auto name = names.begin(); name != names.end() && found == nullptr; ++name)
+    found = findFieldAnyCase(fields, *name);
+  return found;
 }
 
 }  // namespace
@@ -62,8 +72,66 @@ PointCloudView viewOf(const sensor_msgs::PointCloud2& cloud, std::vector<PointFi
   return view;
 }
 
+sensor_msgs::PointCloud2ConstPtr withPositions(const sensor_msgs::PointCloud2ConstPtr& cloud, AngleUnit unit,
+                                               std::vector<std::string>& faults) {
+  std::vector<PointField> fields;
+  const PointCloudView view = viewOf(*cloud, fields);
+  const bool has_positions =
+      findFieldAnyCase(fields, "x") != nullptr && findFieldAnyCase(fields, "y") != nullptr;
+  if (view.size() == 0 || has_positions) return cloud;
+  const PointField* const polar[] = {firstOf(fields, {"range", "r"}),
+                                     firstOf(fields, {"azimuth", "azimuth_angle", "AzimuthAngle"}),
+                                     firstOf(fields, {"elevation", "elevation_angle", "ElevationAngle"})};
+  if (polar[0] == nullptr || polar[1] == nullptr) return cloud;
+  for (const PointField* field : polar) {
+    const std::string defect = field != nullptr ? defectOf(*field, view.point_step) : "";
+    if (defect.empty()) continue;
+    faults.push_back(defect);
+    return cloud;
+  }
+
+  auto result = boost::make_shared<sensor_msgs::PointCloud2>();
+  result->header = cloud->header;
+  result->height = 1;
+  result->width = static_cast<std::uint32_t>(view.size());
+  result->fields = cloud->fields;
+  for (const char* name : {"x", "y", "z"}) {
+    result->fields.push_back(floatField(*cloud, name, cloud->point_step + result->point_step));
+    result->point_step += sizeof(float);
+  }
+  result->point_step += cloud->point_step;
+  result->row_step = result->point_step * result->width;
+  result->is_bigendian = cloud->is_bigendian;
+  result->is_dense = cloud->is_dense;
+  result->data.resize(std::size_t{result->point_step} * result->width);
+
+  const double radians = unit == AngleUnit::kDegrees ? M_PI / 180.0 : 1.0;
+  std::size_t wide = 0;  // azimuths of more than a turn
+  std::uint8_t* out = result->data.data();
+  for (std::size_t i = 0; i < view.size(); ++i, out += result->point_step) {
+    const std::uint8_t* point = view.point(i);
+    const auto read = [point](const PointField& field) {
+      return readScalar(point + field.offset, field.type);
+    };
+    const double range = read(*polar[0]);
+    const double azimuth = radians * read(*polar[1]);
+    const double elevation = polar[2] != nullptr ? radians * read(*polar[2]) : 0.0;
+    if (std::abs(azimuth) > 2.0 * M_PI) ++wide;
+    const float position[] = {static_cast<float>(range * std::cos(elevation) * std::cos(azimuth)),
+                              static_cast<float>(range * std::cos(elevation) * std::sin(azimuth)),
+                              static_cast<float>(range * std::sin(elevation))};
+    std::memcpy(out, point, cloud->point_step);
+    std::memcpy(out + cloud->point_step, position, sizeof position);
+  }
+  if (unit == AngleUnit::kRadians && 2 * wide > view.size()) {
+    faults.push_back("field '" + polar[1]->name +
+                     "' has angles of more than a turn: set angle_unit to degrees");
+  }
+  return result;
+}
+
 sensor_msgs::PointCloud2 labelledCloud(const sensor_msgs::PointCloud2& cloud, const PointCloudView& view,
-                                       const std::vector<DopplerReturn>& returns, const float* residuals,
+                                       Span<const DopplerReturn> returns, const float* residuals,
                                        const ReturnLabel* labels, ReturnLabel wanted) {
   sensor_msgs::PointCloud2 result;
   result.header = cloud.header;

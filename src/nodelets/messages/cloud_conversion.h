@@ -4,8 +4,10 @@
 
 #include <sensor_msgs/PointCloud2.h>
 
+#include <string>
 #include <vector>
 
+#include "radar_dot/common/span.h"
 #include "radar_dot/radar/doppler_returns.h"
 #include "radar_dot/radar/ego_velocity.h"
 #include "radar_dot/radar/point_cloud.h"
@@ -17,13 +19,22 @@ namespace radar_dot {
 ///         are in the other byte order.
 PointCloudView viewOf(const sensor_msgs::PointCloud2& cloud, std::vector<PointField>& fields);
 
+/// A cloud with positions: the same one where it has x and y, or lacks the polar fields too. Else one row
+/// with all its fields, and behind them x, y and z (float32, m, frame of the sensor) by range (or r), azimuth
+/// (anticlockwise) and elevation above the x-y plane (0 where there is none), or azimuth_angle, AzimuthAngle
+/// and so on, all without case.
+/// @param faults  gets what keeps the polar fields from being used
+/// @throws std::invalid_argument as viewOf()
+sensor_msgs::PointCloud2ConstPtr withPositions(const sensor_msgs::PointCloud2ConstPtr& cloud, AngleUnit unit,
+                                               std::vector<std::string>& faults);
+
 /// The accepted returns of one scan that carry the label `wanted`: every field of the input, bit
 /// for bit, and behind them `doppler` (range rate as used, m/s) and `residual` (signed, m/s), both
 /// float32. Where the input has a field of that name already, ours is called ego_doppler or
 /// ego_residual. Header copied.
 /// @param residuals, labels  one for each of `returns`, in their order
 sensor_msgs::PointCloud2 labelledCloud(const sensor_msgs::PointCloud2& cloud, const PointCloudView& view,
-                                       const std::vector<DopplerReturn>& returns, const float* residuals,
+                                       Span<const DopplerReturn> returns, const float* residuals,
                                        const ReturnLabel* labels, ReturnLabel wanted);
 
 }  // namespace radar_dot

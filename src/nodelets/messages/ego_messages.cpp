@@ -51,6 +51,7 @@ EgoStatus statusMessage(const ros::Time& stamp, const std::string& base_frame,
     case EstimateStatus::kTooFewReturns: message.status = EgoStatus::TOO_FEW_RETURNS; break;
     case EstimateStatus::kDegenerateBearings: message.status = EgoStatus::DEGENERATE_BEARINGS; break;
     case EstimateStatus::kNoConsensus: message.status = EgoStatus::NO_CONSENSUS; break;
+    case EstimateStatus::kAmbiguous: message.status = EgoStatus::AMBIGUOUS; break;
   }
   message.model = std::string(toString(params.model));
   message.solver = std::string(toString(params.solver));

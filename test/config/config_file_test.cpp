@@ -1,6 +1,6 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/config_file.h"
+#include "config/config_file.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "fixtures/refusal.h"
 #include "radar_dot/config/sections.h"
 
-namespace radar_dot::tools {
+namespace radar_dot {
 namespace {
 
 class ConfigFile : public testing::Test {
@@ -76,7 +76,7 @@ TEST_F(ConfigFile, SetsEachKindOfParameter) {
   EXPECT_EQ(configuration_.depth.radar_topics, (std::vector<std::string>{"radar_front", "a, b"}));
   ASSERT_EQ(ego.radars.size(), 2U);
   EXPECT_EQ(ego.radars.at("front").topic, "points");
-  EXPECT_EQ(ego.radars.at("front").doppler_scale, -1.0);
+  EXPECT_EQ(ego.radars.at("front").overrides.at("doppler_scale"), FieldValue(-1.0));
   EXPECT_EQ(ego.radars.at("rear").topic, RadarEntry().topic);
   EXPECT_EQ(set.at(fields.find("threshold")->address), file() + ":3");
   EXPECT_EQ(set.count(fields.find("azimuth_std")->address), 0U);
@@ -170,4 +170,4 @@ TEST_F(ConfigFile, ReadsEachParameterAndRefusesWhatIsNotValid) {
 }
 
 }  // namespace
-}  // namespace radar_dot::tools
+}  // namespace radar_dot

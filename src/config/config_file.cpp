@@ -1,12 +1,13 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config_file.h"
+#include "config/config_file.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <cerrno>
 #include <fstream>
+#include <functional>
 #include <ios>
 #include <iterator>
 #include <map>
@@ -15,7 +16,7 @@
 
 #include "radar_dot/common/did_you_mean.h"
 
-namespace radar_dot::tools {
+namespace radar_dot {
 namespace {
 
 constexpr const char* kReportKey = "parameters";
@@ -95,17 +96,26 @@ class Reader {
       : path_(path), sections_(sections), tool_(tool), options_(options) {}
 
   std::map<const void*, std::string> read() {
-    const std::string text = contentOf(path_);
-    try {
-      // Several documents in one file are loaded one after the other, as by rosparam.
-      for (const YAML::Node& document : YAML::LoadAll(text)) readDocument(document);
-    } catch (const YAML::Exception& error) {
-      throw ConfigFileError(fmt::format("{}:{}: not valid YAML: {}", path_, error.mark.line + 1, error.msg));
-    }
+    forEachDocument([this](const YAML::Node& document) { readDocument(document); });
     return std::move(set_);
   }
 
+  /// Names and values without sections.
+  void readOptions() {
+    forEachDocument([this](const YAML::Node& document) { readValues("", options_, document); });
+  }
+
  private:
+  /// Several documents in one file are loaded one after the other, as by rosparam.
+  void forEachDocument(const std::function<void(const YAML::Node&)>& read) const {
+    const std::string text = contentOf(path_);
+    try {
+      for (const YAML::Node& document : YAML::LoadAll(text)) read(document);
+    } catch (const YAML::Exception& error) {
+      throw ConfigFileError(fmt::format("{}:{}: not valid YAML: {}", path_, error.mark.line + 1, error.msg));
+    }
+  }
+
   [[noreturn]] void fail(const YAML::Node& where, const std::string& what) const {
     throw ConfigFileError(fmt::format("{}:{}: {}", path_, where.Mark().line + 1, what));
   }
@@ -151,10 +161,11 @@ class Reader {
     fail(key_node, "unknown section " + key + didYouMean(nearestName(key, names)));
   }
 
+  /// @param prefix  of the names; empty: the file has no sections
   void readValues(const std::string& prefix, const FieldList& fields, const YAML::Node& values) {
-    forEachKey(values, prefix,
+    forEachKey(values, prefix.empty() ? "the file" : prefix,
                [&](const std::string& key, const YAML::Node& key_node, const YAML::Node& value) {
-                 const std::string path = prefix + "/" + key;
+                 const std::string path = pathOf(prefix, key);
                  bool is_known = setFields(prefix, fields, key, key_node, value);
                  for (const FieldDictionary& dictionary : fields.dictionaries()) {
                    if (is_known || key != dictionary.name) continue;
@@ -169,6 +180,10 @@ class Reader {
                });
   }
 
+  static std::string pathOf(const std::string& prefix, const std::string& name) {
+    return prefix.empty() ? name : prefix + "/" + name;
+  }
+
   /// Several fields of one name are set together. @return is there one?
   bool setFields(const std::string& prefix, const FieldList& fields, const std::string& key,
                  const YAML::Node& key_node, const YAML::Node& value) {
@@ -179,7 +194,7 @@ class Reader {
       try {
         setValue(field, value);
       } catch (const InvalidParameter& error) {
-        fail(key_node, prefix + "/" + error.what());
+        fail(key_node, pathOf(prefix, error.what()));
       }
       set_[field.address] = fmt::format("{}:{}", path_, key_node.Mark().line + 1);
     }
@@ -201,4 +216,8 @@ std::map<const void*, std::string> readConfigFile(const std::string& path,
   return Reader(path, sections, tool, options).read();
 }
 
-}  // namespace radar_dot::tools
+void readFieldsFile(const std::string& path, const FieldList& fields) {
+  Reader(path, {}, "", fields).readOptions();
+}
+
+}  // namespace radar_dot

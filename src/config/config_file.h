@@ -10,7 +10,7 @@
 #include "radar_dot/common/fields.h"
 #include "radar_dot/config/section.h"
 
-namespace radar_dot::tools {
+namespace radar_dot {
 
 /// A configuration file refused. what() is one line: file, line, and what is wrong.
 class ConfigFileError : public std::runtime_error {
@@ -31,4 +31,7 @@ std::map<const void*, std::string> readConfigFile(const std::string& path,
                                                   const std::string& tool = "",
                                                   const FieldList& options = {});
 
-}  // namespace radar_dot::tools
+/// Sets the fields that a YAML file of names and values names. @throws ConfigFileError
+void readFieldsFile(const std::string& path, const FieldList& fields);
+
+}  // namespace radar_dot

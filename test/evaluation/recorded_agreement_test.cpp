@@ -1,0 +1,102 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// RadarAgreement on recorded scans, with the faults made by the parameters that would correct them.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+
+#include "evaluation/sweep_velocities.h"
+#include "fixtures/nuscenes_fixture.h"
+#include "radar_dot/radar/radar_agreement.h"
+#include "config/config_file.h"
+
+namespace radar_dot::evaluation {
+namespace {
+
+using test::NuscenesFixture;
+using Verdict = RadarAgreement::Verdict;
+
+constexpr double kDegree = 0.017453292519943295;
+
+struct Accused {
+  std::set<std::string> channels;             ///< that are not good at some time
+  RadarAgreement::Figures latest;             ///< of the last of them
+  std::map<std::string, double> corrections;  ///< rad, at the end
+};
+
+Accused accuse(const dataset::Tables& tables, dataset::Index index, const EgoVelocityConfig& config) {
+  const RadarScene scene = loadRadarScene(tables, index, {}, config);
+  std::vector<RadarAgreement::Radar> radars;
+  for (const LoadedRadar& radar : scene.radars) radars.push_back({radar.channel});
+  SweepEstimator estimator(config);
+  RadarAgreement agreement(radars);
+  Accused accused;
+  for (SceneSweep& sweep : assembleSweeps(scene, config.sweep)) {
+    agreement.add(sweep.time, sweep.scans, estimator.estimate(sweep.scans, sweep.time).single,
+                  estimator.params());
+    for (std::size_t i = 0; i < radars.size(); ++i) {
+      accused.corrections[radars[i].name] = agreement.figures(i).yaw_correction;
+      if (agreement.figures(i).verdict == Verdict::kGood) continue;
+      accused.channels.insert(radars[i].name);
+      accused.latest = agreement.figures(i);
+    }
+    EXPECT_EQ(agreement.warning(), "");
+  }
+  return accused;
+}
+
+EgoVelocityConfig withFault(EgoVelocityConfig config, double yaw, double doppler_scale) {
+  RadarEntry& entry = config.radars["spoilt"];
+  entry.topic = "radar_front_left";
+  entry.mount_yaw_correction = yaw;
+  entry.overrides["doppler_scale"] = doppler_scale;
+  return config;
+}
+
+TEST(RecordedAgreement, NamesTheRadarWithinTenSecondsOfDriving) {
+  test::FixtureOptions options;
+  options.samples_per_scene = 20;  // 9.5 s
+  options.scan.doppler_noise = 0.1;
+  options.can_bus = options.instance_masks = false;
+  const NuscenesFixture fixture(options);
+  const dataset::Tables tables = dataset::Tables::load(fixture.dataroot());
+  for (const char* name : {NuscenesFixture::kStraightScene, NuscenesFixture::kTurningScene}) {
+    const dataset::Index scene = tables.findScene(name);
+    EXPECT_EQ(accuse(tables, scene, {}).channels, std::set<std::string>()) << name;
+
+    const Accused turned = accuse(tables, scene, withFault({}, 3.0 * kDegree, 1.0));
+    EXPECT_EQ(turned.channels, std::set<std::string>({"RADAR_FRONT_LEFT"})) << name;
+    EXPECT_EQ(turned.latest.verdict, Verdict::kTurned) << name;
+    EXPECT_NEAR(turned.latest.yaw_correction, -3.0 * kDegree, 0.6 * kDegree) << name;
+
+    const Accused reversed = accuse(tables, scene, withFault({}, 0.0, -1.0));
+    EXPECT_EQ(reversed.channels, std::set<std::string>({"RADAR_FRONT_LEFT"})) << name;
+    EXPECT_EQ(reversed.latest.verdict, Verdict::kReversed) << name;
+  }
+}
+
+// The front radar of the car of three of the scenes is off by 20 mrad, which is no fault but shows.
+TEST(RecordedAgreement, RealRadarsAreGood) {
+  const std::filesystem::path dataroot = std::filesystem::path(RADAR_DOT_SHARED_DATA) / "nuscenes_mini_real";
+  if (!std::filesystem::exists(dataroot)) GTEST_SKIP() << "no real data under " << dataroot;
+  const dataset::Tables tables = dataset::Tables::load(dataroot);
+  Configuration nuscenes;
+  readConfigFile(NUSCENES_CONFIG, sectionsOf(nuscenes));
+  for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
+    const Accused accused = accuse(tables, static_cast<dataset::Index>(scene), nuscenes.ego_velocity);
+    const std::string& name = tables.scenes[scene].name;
+    EXPECT_EQ(accused.channels, std::set<std::string>()) << name;
+    if (name != "scene-0796") continue;
+    EXPECT_NEAR(accused.corrections.at("RADAR_FRONT"), -1.15 * kDegree, 0.6 * kDegree);
+  }
+  const EgoVelocityConfig faulty = withFault(nuscenes.ego_velocity, -3.0 * kDegree, 1.0);
+  EXPECT_EQ(accuse(tables, tables.findScene("scene-0655"), faulty).channels,
+            std::set<std::string>({"RADAR_FRONT_LEFT"}));
+}
+
+}  // namespace
+}  // namespace radar_dot::evaluation
