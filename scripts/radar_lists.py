@@ -155,6 +155,10 @@ class Expression(ast.NodeTransformer):
         if not isinstance(node, self.ALLOWED) or len(getattr(node, "ops", [])) > 1:
             raise ListError(f"'{self.text}' may have fields, numbers, + - * / **, comparisons of two, & | and "
                             f"{', '.join(sorted(FUNCTIONS))} only")
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+            power = node.right.value if isinstance(node.right, ast.Constant) else None
+            if not isinstance(power, (int, float)) or abs(power) > 4:
+                raise ListError(f"'{self.text}' has a power that is no number up to 4")
         return super().generic_visit(node)
 
     def visit_Call(self, node):

@@ -201,8 +201,13 @@ void EgoVelocityNodelet::onMessage(std::size_t index, const RadarMessage& messag
       message, ros::Time::now(),
       [&](const std::string& frame, std::string& error) { return findMount(radar, frame, error); }, *reading);
   acceptStamp(radar.monitor, reading->header);
-  radar.monitor.scan(reading->header.frame_id, reading->counts, radar.input.lost());
-  if (radar.monitor.describe(radar.input.description()) && throttle_.allow(radar.name, "reads")) {
+  if (!radar.monitor.scan(reading->header.frame_id, reading->counts, radar.input.lost())) {
+    const RadarEntry names;
+    warn(radar.name, "clouds of several frames on '" + radar.topic + "': radars that share a topic need " +
+                         nameOf(names, names.only_frame));
+  }
+  if (reading->view.size() > 0 && radar.monitor.describe(radar.input.description()) &&
+      throttle_.allow(radar.name, "reads")) {
     NODELET_INFO("%s: radar %s on '%s': %s", getName().c_str(), radar.name.c_str(), radar.topic.c_str(),
                  radar.input.description().c_str());
   }
@@ -359,12 +364,16 @@ void EgoVelocityNodelet::compare(const Sweep& sweep, const std::vector<RadarScan
       rotation_comparison_.add(sweep.time(), own.angular.z(), std::sqrt(variance), rotation->rate.z());
     }
   }
-  std::string warning = agreement_.warning();
+  std::vector<std::string> warnings = {agreement_.warning()};
   if (rotation_source_) {
-    const std::string contradiction =
-        rotation_comparison_.warning("the radars", rotation_source_->describe());
-    warning += (warning.empty() || contradiction.empty() ? "" : "; ") + contradiction;
+    const std::string source = rotation_source_->describe();
+    if (!rotation) warnings.push_back("no angular velocity from " + source);
+    warnings.push_back(rotation_comparison_.warning("the motion by the radars", source,
+                                                    "one of the two is wrong: the unit, the mount or the "
+                                                    "offset of that source, or the mounts of the radars"));
   }
+  std::string warning;
+  for (const std::string& one : warnings) warning += (warning.empty() || one.empty() ? "" : "; ") + one;
   if (!warning.empty()) warn("agreement", warning);
   estimator_monitor_->warn(std::move(warning));
 }

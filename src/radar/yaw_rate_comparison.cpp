@@ -77,7 +77,8 @@ YawRateComparison::Verdict YawRateComparison::cause() const {
   return of_offset < of_factor ? Verdict::kOffset : Verdict::kFactor;
 }
 
-std::string YawRateComparison::warning(const std::string& name, const std::string& reference_name) const {
+std::string YawRateComparison::warning(const std::string& name, const std::string& reference_name,
+                                       const char* remedy) const {
   std::string text = fmt::format("{} turns by {:.2f} rad/s, {} by {:.2f} (over {:.0f} s): ", name, rate(),
                                  reference_name, reference(), kMemory);
   switch (verdict_) {
@@ -88,10 +89,7 @@ std::string YawRateComparison::warning(const std::string& name, const std::strin
     case Verdict::kOffset:
       return text +
              "they differ whatever the rate: an offset of the gyroscope, or the mount of a radar is turned";
-    case Verdict::kFactor:
-      return text +
-             "the yaw rate of the radars is wrong: take it from an IMU, odometry or TF (rotation_source), or "
-             "check the position of the mounts and the model";
+    case Verdict::kFactor: return text + remedy;
   }
   return text;
 }

@@ -515,7 +515,8 @@ class Entries(unittest.TestCase):
         self.assert_refused(["'dopler'", "'doppler'"], "ti_mmwave_rospkg/RadarScan", {"dopler": "velocity"})
         self.assert_refused(["lacks x and y, or range and azimuth"], "my_radar/Targets", {"x": "x", "doppler": "d"})
         self.assert_refused(["lacks doppler, or vx and vy"], "my_radar/Targets", {"x": "x", "y": "y", "vx": "vx"})
-        for text in ("x +", "open(x)", "[x]", "x.y()", "x if y else z", "1 < x < 2", "x and y", "(lambda: x)()"):
+        for text in ("x +", "9 ** 9 ** 9", "x ** y", "open(x)", "[x]", "x.y()", "x if y else z", "1 < x < 2", "x and y",
+                     "(lambda: x)()"):
             self.assert_refused([f"'{text}'"], "ti_mmwave_rospkg/RadarScan", {"x": text})
 
 

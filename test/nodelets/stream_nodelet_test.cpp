@@ -4,10 +4,12 @@
 // What all nodelets have in common, with nodelets in this process, and inputs that need topics.
 #include "nodelets/common/stream_nodelet.h"
 
+#include <XmlRpcClient.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
 #include <nodelet/loader.h>
 #include <ros/callback_queue.h>
+#include <ros/xmlrpc_manager.h>
 #include <sensor_msgs/Imu.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -161,6 +163,34 @@ TEST(StreamNodeletTest, ATwistThatCannotBeReadMovesNoStamps) {
     twists.publish(twist);
   }
   EXPECT_TRUE(waitUntil([&] { return odometry.count() == 4; })) << odometry.count() << " of 4";
+}
+
+// How often this process receives a topic from itself.
+std::size_t connectionsOf(const std::string& topic) {
+  XmlRpc::XmlRpcValue request, answer;
+  request[0] = "/test";
+  XmlRpc::XmlRpcClient self("localhost", ros::XMLRPCManager::instance()->getServerPort(), "/");
+  if (!self.execute("getBusInfo", request, answer) || answer.size() < 3) return 0;
+  XmlRpc::XmlRpcValue& connections = answer[2];
+  std::size_t count = 0;
+  for (int i = 0; i < connections.size(); ++i) {
+    XmlRpc::XmlRpcValue& one = connections[i];
+    if (static_cast<std::string&>(one[2]) == "i" && static_cast<std::string&>(one[4]) == topic) ++count;
+  }
+  return count;
+}
+
+// roscpp connects both ends twice where one is made while the other is.
+TEST(StreamNodeletTest, NoTwistComesTwice) {
+  ros::NodeHandle handle;
+  const Recorder<nav_msgs::Odometry> odometry(handle, "odom");
+  for (int round = 0; round < 8; ++round) {
+    nodelet::Loader loader(false);
+    ASSERT_TRUE(loader.load("/ego_velocity", "radar_dot/EgoVelocity", {}, {}));
+    ASSERT_TRUE(loader.load("/odometry", "radar_dot/Odometry", {}, {}));
+    ASSERT_TRUE(waitUntil([] { return connectionsOf("/ego/twist") > 0; }));
+    EXPECT_EQ(connectionsOf("/ego/twist"), 1U) << "in round " << round;
+  }
 }
 
 class Inputs : public testing::Test {

@@ -39,7 +39,11 @@ class YawRateComparison {
 
   /// "ego/twist turns by 0.08 rad/s, the image by 0.28 (over 3 s): ..." with the likely cause; empty while
   /// they agree. @param name, reference_name  as in the example
-  std::string warning(const std::string& name, const std::string& reference_name) const;
+  /// @param remedy  where they differ by a factor, and neither sign nor unit explains it
+  std::string warning(const std::string& name, const std::string& reference_name,
+                      const char* remedy =
+                          "the yaw rate of the radars is wrong: take it from an IMU, odometry or TF "
+                          "(rotation_source), or check the position of the mounts and the model") const;
 
  private:
   double mean(double sum) const { return weight_ > 0.0 ? sum / weight_ : 0.0; }

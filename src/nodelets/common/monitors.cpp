@@ -163,12 +163,14 @@ void InputMonitor::report(const ros::Time& now, diagnostic_updater::DiagnosticSt
   good_ = refused_ = 0;
 }
 
-void RadarMonitor::scan(const std::string& frame, const ExtractionCounts& counts, std::size_t lost) {
-  frames_vary_ = frames_vary_ || (!frame_.empty() && frame != frame_);
+bool RadarMonitor::scan(const std::string& frame, const ExtractionCounts& counts, std::size_t lost) {
+  const bool is_other = !frame_.empty() && frame != frame_;
+  frames_vary_ = frames_vary_ || is_other;
   frame_ = frame;
   counts_ = counts;
   lost_ = lost;
   ++scans_;
+  return !is_other;
 }
 
 bool RadarMonitor::describe(const std::string& description) {

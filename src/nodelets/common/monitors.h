@@ -138,7 +138,8 @@ class RadarMonitor final : public InputMonitor {
       : InputMonitor(std::move(name), expectation, true, "cloud"), window_(window) {}
 
   /// A cloud that was read, for a sweep. @param lost  messages that have not arrived, in all
-  void scan(const std::string& frame, const ExtractionCounts& counts, std::size_t lost);
+  /// @return false: the frame is another than before
+  bool scan(const std::string& frame, const ExtractionCounts& counts, std::size_t lost);
   /// What is read, and how. @return true when it is news
   bool describe(const std::string& description);
   /// A message of a shared topic is of another radar.

@@ -3,6 +3,7 @@
 #include "nodelets/common/stream_nodelet.h"
 
 #include <algorithm>
+#include <mutex>
 
 #include "nodelets/inputs/cloud_points.h"
 #include "nodelets/inputs/ego_motion.h"
@@ -18,6 +19,13 @@ constexpr double kPeriod = 0.05;  // s, how often the audience and what waits ar
 constexpr std::uint32_t kTwistQueue = 20;
 constexpr std::uint32_t kCloudQueue = 20;
 
+/// Nodelets start side by side, but what plugins and parameters are read with is not made for that; and
+/// roscpp connects a publisher and a subscriber of one process twice where one is made while the other is.
+std::recursive_mutex& oneAtATime() {
+  static std::recursive_mutex mutex;
+  return mutex;
+}
+
 }  // namespace
 
 void StreamNodelet::onInit() {
@@ -27,11 +35,9 @@ void StreamNodelet::onInit() {
 }
 
 void StreamNodelet::start() {
-  // Nodelets start side by side, but what plugins and parameters are read with is not made for that.
-  static std::mutex one_at_a_time;
   started_ = true;
   {
-    const std::lock_guard<std::mutex> lock(one_at_a_time);
+    const std::lock_guard<std::recursive_mutex> lock(oneAtATime());
     complete_ = attempt([this] { setUpAll(); });
   }
   if (!diagnostics_) return;
@@ -101,6 +107,7 @@ void StreamNodelet::updateInputs() {
 
 void StreamNodelet::switchInput(Input& input, bool on) {
   input.is_on = on;
+  const std::lock_guard<std::recursive_mutex> lock(oneAtATime());
   if (on) {
     input.monitor->connect(input.subscribe());
     return;

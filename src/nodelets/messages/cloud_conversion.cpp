@@ -123,7 +123,8 @@ sensor_msgs::PointCloud2ConstPtr withPositions(const sensor_msgs::PointCloud2Con
     std::memcpy(out, point, cloud->point_step);
     std::memcpy(out + cloud->point_step, position, sizeof position);
   }
-  if (unit == AngleUnit::kRadians && 2 * wide > view.size()) {
+  // A broken value is no sign of another unit.
+  if (unit == AngleUnit::kRadians && 10 * wide > view.size()) {
     faults.push_back("field '" + polar[1]->name +
                      "' has angles of more than a turn: set angle_unit to degrees");
   }
