@@ -25,6 +25,8 @@ constexpr double kStartAcceleration = 2.0;         // m/s^2, 1 sigma
 constexpr double kStartLateralAcceleration = 0.5;  // m/s^2
 constexpr double kStartYawAcceleration = 0.3;      // rad/s^2
 
+constexpr double kManoeuvre = 8.0;  // m/s^2, 1 sigma of the longitudinal acceleration after a refused update
+
 constexpr double kSlipFloor = 0.02;  // m/s, of vy while standing: the origin is not exactly on the axle
 constexpr double kLeastSpeed = 0.3;  // m/s, below which the yaw acceleration no longer shrinks
 
@@ -219,7 +221,11 @@ VelocityFilter::Outcome VelocityFilter::conclude(double time, const Eigen::Vecto
     rejected_ = 0;
     return Outcome::kUpdated;
   }
-  if (++rejected_ < params_.max_rejected) return Outcome::kRejected;
+  if (++rejected_ < params_.max_rejected) {
+    // An emergency braking looks like an outlier at first; the next update may tell.
+    covariance_(3, 3) += kManoeuvre * kManoeuvre;
+    return Outcome::kRejected;
+  }
   start(time, velocity, covariance);
   return Outcome::kStarted;
 }

@@ -165,6 +165,22 @@ TEST(VelocityFilter, RecoversFromATrueJump) {
   EXPECT_LT((filter.at(filter.time()).velocity - Vector3d(-3.0, 0.0, 0.0)).norm(), 1e-9);
 }
 
+// From one sweep to the next, as in an emergency.
+TEST(VelocityFilter, FollowsABrakingThatStartsAtOnce) {
+  VelocityFilter filter;
+  Noise noise(4);
+  double worst = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const double time = i * kPeriod;
+    const double speed = std::max(0.0, 20.0 - 8.0 * std::max(0.0, time - 2.0));
+    const Outcome outcome =
+        filter.update(time, {speed + noise(0.06), noise(0.05), noise(0.01)}, noiseOf(0.06, 0.01));
+    EXPECT_TRUE(i == 0 || outcome != Outcome::kStarted) << "at " << time << " s";
+    worst = std::max(worst, std::abs(filter.at(time).velocity.x() - speed));
+  }
+  EXPECT_LT(worst, 0.9) << "about the change of one sweep";
+}
+
 TEST(VelocityFilter, StartsAnewAfterAGap) {
   VelocityFilter filter(plain());
   filter.update(0.0, {8.0, 0.0, 0.0}, noiseOf(0.05, 0.01));
@@ -292,7 +308,7 @@ TEST(VelocityFilter, AGivenYawRateDoesNotHideATrueJump) {
   };
   for (int i = 0; i < 50; ++i) EXPECT_NE(update(i, 8.0), Outcome::kRejected);
   for (int i = 0; i < params.max_rejected; ++i)
-    EXPECT_EQ(update(50 + i, 3.0), i + 1 < params.max_rejected ? Outcome::kRejected : Outcome::kStarted);
+    EXPECT_EQ(update(50 + i, -20.0), i + 1 < params.max_rejected ? Outcome::kRejected : Outcome::kStarted);
 }
 
 TEST(VelocityFilter, OtherAssumptionsStartItAnew) {
