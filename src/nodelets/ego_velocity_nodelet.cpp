@@ -206,10 +206,10 @@ void EgoVelocityNodelet::onMessage(std::size_t index, const RadarMessage& messag
     warn(radar.name, "clouds of several frames on '" + radar.topic + "': radars that share a topic need " +
                          nameOf(names, names.only_frame));
   }
-  if (reading->view.size() > 0 && radar.monitor.describe(radar.input.description()) &&
-      throttle_.allow(radar.name, "reads")) {
+  const std::string description = reading->view.size() > 0 ? radar.input.description() : "";
+  if (!description.empty() && radar.monitor.describe(description) && throttle_.allow(radar.name, "reads")) {
     NODELET_INFO("%s: radar %s on '%s': %s", getName().c_str(), radar.name.c_str(), radar.topic.c_str(),
-                 radar.input.description().c_str());
+                 description.c_str());
   }
 
   const ExtractionCounts& counts = reading->counts;
@@ -244,10 +244,11 @@ std::optional<Eigen::Isometry3d> EgoVelocityNodelet::findMount(Radar& radar, con
   }
   std::string cause;
   const std::optional<Eigen::Isometry3d> mount = extrinsics_->lookup(frame, cause);
-  const RadarEntry names;
-  if (!mount)
+  if (!mount) {
+    const RadarEntry names;
     cause +=
         fmt::format(" (TF, or {} and {})", nameOf(names, names.mount_xyz), nameOf(names, names.mount_rpy));
+  }
   radar.monitor.mount(cause);
   if (mount) {
     mount_missing_since_.erase(frame);
@@ -320,8 +321,6 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
   const ros::Time stamp = sweep.scans[sweep.newest].reading->header.stamp;
   const std::optional<AngularVelocity> rotation =
       rotation_source_ ? rotation_source_->rateAt(stamp) : std::nullopt;
-  if (rotation_source_ && !rotation)
-    warn("rotation", "no angular velocity at the time of a sweep from " + rotation_source_->describe());
   const auto start = std::chrono::steady_clock::now();
   const SweepEstimate estimate = estimator_.estimate(scans, sweep.time(), rotation);
   const double computation_time =
@@ -367,7 +366,7 @@ void EgoVelocityNodelet::compare(const Sweep& sweep, const std::vector<RadarScan
   std::vector<std::string> warnings = {agreement_.warning()};
   if (rotation_source_) {
     const std::string source = rotation_source_->describe();
-    if (!rotation) warnings.push_back("no angular velocity from " + source);
+    if (!rotation) warnings.push_back("no angular velocity at the time of a sweep from " + source);
     warnings.push_back(rotation_comparison_.warning("the motion by the radars", source,
                                                     "one of the two is wrong: the unit, the mount or the "
                                                     "offset of that source, or the mounts of the radars"));
@@ -385,8 +384,7 @@ void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, const SweepEstimat
   if (estimate.filtered && estimate.filtered->was_reset && throttle_.allow("filter", "reset")) {
     NODELET_WARN(
         "%s: velocity filter reset: gap in the input, repeated estimates outside its gate, or a source of "
-        "rotation "
-        "that came or went",
+        "rotation that came or went",
         getName().c_str());
   }
 }

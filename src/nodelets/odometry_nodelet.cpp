@@ -249,10 +249,7 @@ void OdometryNodelet::publish(const geometry_msgs::TwistWithCovarianceStamped& t
     geometry_msgs::TransformStamped transform;
     transform.header = odometry.header;
     transform.child_frame_id = odometry.child_frame_id;
-    transform.transform.translation.x = position.x();
-    transform.transform.translation.y = position.y();
-    transform.transform.translation.z = position.z();
-    transform.transform.rotation = odometry.pose.pose.orientation;
+    transform.transform = transformOf(state.T_odom_from_base);
     broadcaster_->sendTransform(transform);
   }
 

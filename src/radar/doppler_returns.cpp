@@ -68,9 +68,9 @@ class DopplerExtractor::Resolver {
   }
 
   Column firstOf(std::initializer_list<const char*> names) {
-    Column result;
-    for (auto name = names.begin(); name != names.end() && !result.present(); ++name) result = column(*name);
-    return result;
+    const PointField* field = findFirstField(layout_.fields, names);
+    found_ = nullptr;
+    return field != nullptr ? column(field->name) : Column{};
   }
 
   void resolveDoppler() {

@@ -38,6 +38,14 @@ const PointField* findFieldAnyCase(const std::vector<PointField>& fields, std::s
   return found == fields.end() ? nullptr : &*found;
 }
 
+const PointField* findFirstField(const std::vector<PointField>& fields,
+                                 std::initializer_list<const char*> names) noexcept {
+  const PointField* found = nullptr;
+  for (auto name = names.begin(); name != names.end() && found == nullptr; ++name)
+    found = findFieldAnyCase(fields, *name);
+  return found;
+}
+
 std::string defectOf(const PointField& field, std::size_t point_step) {
   const std::size_t size = scalarSize(field.type);
   if (size != 0 && field.offset + size <= point_step) return {};

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -98,6 +99,10 @@ const PointField* findField(const std::vector<PointField>& fields, std::string_v
 
 /// The same, and where there is none of exactly this name, the first that differs from it by case alone.
 const PointField* findFieldAnyCase(const std::vector<PointField>& fields, std::string_view name) noexcept;
+
+/// The first of these names that the fields have, as findFieldAnyCase(); null: none.
+const PointField* findFirstField(const std::vector<PointField>& fields,
+                                 std::initializer_list<const char*> names) noexcept;
 
 /// Why this field cannot be read from points of `point_step` bytes; empty: it can.
 std::string defectOf(const PointField& field, std::size_t point_step);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -76,9 +77,11 @@ void RadarInput::read(const RadarMessage& message, const ros::Time& now, const F
   } catch (const std::invalid_argument& error) {
     faults.emplace_back(error.what());
   }
+  const ReturnFilter& filter = extraction().filter;
+  const bool limits_height = std::isfinite(filter.min_height) || std::isfinite(filter.max_height);
   std::string missing;
   std::optional<Eigen::Isometry3d> T_base_from_sensor;
-  if (!frame_.empty()) T_base_from_sensor = find_mount(frame_, missing);
+  if (!frame_.empty() && (limits_height || !faults.empty())) T_base_from_sensor = find_mount(frame_, missing);
   // Alone it is no fault of the message: TF may know the mount when its sweep is complete.
   if (!faults.empty() && !missing.empty()) faults.push_back(missing);
   if (!faults.empty()) throw std::invalid_argument(fmt::format("{}", fmt::join(faults, "; ")));

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <initializer_list>
 #include <stdexcept>
 
 namespace radar_dot {
@@ -31,14 +30,6 @@ sensor_msgs::PointField floatField(const sensor_msgs::PointCloud2& cloud, const 
   field.datatype = sensor_msgs::PointField::FLOAT32;
   field.count = 1;
   return field;
-}
-
-/// The first of these that the cloud has; null: none.
-const PointField* firstOf(const std::vector<PointField>& fields, std::initializer_list<const char*> names) {
-  const PointField* found = nullptr;
-  for (auto name = names.begin(); name != names.end() && found == nullptr; ++name)
-    found = findFieldAnyCase(fields, *name);
-  return found;
 }
 
 }  // namespace
@@ -79,9 +70,10 @@ sensor_msgs::PointCloud2ConstPtr withPositions(const sensor_msgs::PointCloud2Con
   const bool has_positions =
       findFieldAnyCase(fields, "x") != nullptr && findFieldAnyCase(fields, "y") != nullptr;
   if (view.size() == 0 || has_positions) return cloud;
-  const PointField* const polar[] = {firstOf(fields, {"range", "r"}),
-                                     firstOf(fields, {"azimuth", "azimuth_angle", "AzimuthAngle"}),
-                                     firstOf(fields, {"elevation", "elevation_angle", "ElevationAngle"})};
+  const PointField* const polar[] = {
+      findFirstField(fields, {"range", "r"}),
+      findFirstField(fields, {"azimuth", "azimuth_angle", "AzimuthAngle"}),
+      findFirstField(fields, {"elevation", "elevation_angle", "ElevationAngle"})};
   if (polar[0] == nullptr || polar[1] == nullptr) return cloud;
   for (const PointField* field : polar) {
     const std::string defect = field != nullptr ? defectOf(*field, view.point_step) : "";
