@@ -37,10 +37,10 @@ endfunction()
 
 find_package(Boost QUIET OPTIONAL_COMPONENTS program_options)
 find_package(RapidJSON QUIET)
-find_package(embree 3 QUIET)
+find_package(Embree QUIET)
 find_package(TBB QUIET OPTIONAL_COMPONENTS tbbmalloc_proxy)
 radar_dot_part(simulation RADAR_DOT_WITH_SIMULATION
-  Embree embree_FOUND libembree-dev
+  Embree Embree_FOUND libembree-dev
   RapidJSON RapidJSON_FOUND rapidjson-dev
   TBB.tbbmalloc_proxy TBB::tbbmalloc_proxy libtbb-dev)
 radar_dot_part(tools RADAR_DOT_WITH_TOOLS

@@ -39,7 +39,8 @@ def draw(rows, output):
         heights = [math.nan if value is None else value for value in values]
         positions = np.arange(len(rows)) + (i - (len(LABELS) - 1) / 2) * width
         axes.bar(positions, heights, width, label=label, color=COLOURS[variant])
-    axes.set_xticks(np.arange(len(rows)), [name for name, _ in rows])
+    axes.set_xticks(np.arange(len(rows)))
+    axes.set_xticklabels([name for name, _ in rows])
     axes.axvline(len(rows) - 1.5, color="0.7", linewidth=1)
     axes.set_ylabel("mean |v - v_gt| (m/s)")
     axes.set_title("Ego velocity from radar, planar model")

@@ -2,7 +2,7 @@
 # Configures the package as on a vehicle that has catkin, Eigen, OpenCV, fmt, TBB and yaml-cpp only.
 cmake_minimum_required(VERSION 3.16)
 
-set(absent embree RapidJSON boost_program_options Torch)
+set(absent Embree RapidJSON boost_program_options Torch)
 set(without "")
 foreach(package ${absent})
   list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
