@@ -41,6 +41,11 @@ for tool in "${tools[@]}"; do
   rosrun radar_dot "$tool" --help >"$scratch/help" </dev/null || fail "rosrun radar_dot $tool --help: $?"
   [ -s "$scratch/help" ] || fail "rosrun radar_dot $tool --help says nothing"
 done
+# The presets that are installed, not those of the source.
+touch "$share/config/radars/installed.yaml"
+echo 'ego_velocity: {radars: {front: {topic: points, preset: none}}}' >"$scratch/vehicle.yaml"
+[[ $("$prefix/lib/radar_dot/evaluate_ego_velocity" --config "$scratch/vehicle.yaml" --dataroot "$scratch" 2>&1) == *\ installed,* ]] ||
+  fail "presets are not looked for in $share/config/radars"
 /usr/bin/python3 -c 'from radar_dot.msg import EgoStatus, Flow, MovingObjects'
 
 cmake -S "$source/test/package/downstream" -B "$scratch/build" -DCATKIN_ENABLE_TESTING=OFF >"$scratch/configure.log" 2>&1 ||
