@@ -52,7 +52,7 @@ class PcdHeader {
     const Entry& data = entry("DATA");
     if (data.values.size() != 1 ||
         std::find(std::begin(kFormats), std::end(kFormats), data.values[0]) == std::end(kFormats))
-      fail(data.line, fmt::format("DATA must be {}", fmt::join(kFormats, ", ")));
+      fail(data.line, "DATA must be ascii, binary or binary_compressed");
   }
 
   /// ascii, binary or binary_compressed.

@@ -146,7 +146,7 @@ TEST_F(PointFiles, HeaderErrorsNameTheLine) {
               {"header line 7", "POINTS is 4", "WIDTH x HEIGHT is 5"});
   for (const char* data : {"zip", "", "binary 1"})
     expectError(head + size + "POINTS 0\nDATA " + data + "\n",
-                {"header line 8", "DATA must be ascii, binary, binary_compressed"});
+                {"header line 8", "DATA must be ascii, binary or binary_compressed"});
   expectError(head + size + "POINTS many\nDATA binary\n",
               {"header line 7", "POINTS must be one whole number"});
   expectError(head + size + "POINTS -1\nDATA binary\n", {"header line 7", "POINTS must be one whole number"});
