@@ -3,12 +3,17 @@
 #include "radar_dot/dataset/point_files.h"
 
 #include <fmt/format.h>
+#include <pcl/io/lzf.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/register_point_struct.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <map>
-#include <optional>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -16,30 +21,45 @@
 #include "radar_dot/dataset/file_bytes.h"
 #include "radar_dot/dataset/tables.h"
 
+POINT_CLOUD_REGISTER_POINT_STRUCT(
+    radar_dot::dataset::RadarRecord,
+    (float, x, x)(float, y, y)(float, z, z)(std::int8_t, dyn_prop, dyn_prop)(std::int16_t, id, id)     //
+    (float, rcs, rcs)(float, vx, vx)(float, vy, vy)(float, vx_comp, vx_comp)(float, vy_comp, vy_comp)  //
+    (std::int8_t, is_quality_valid, is_quality_valid)(std::int8_t, ambig_state, ambig_state)           //
+    (std::int8_t, x_rms, x_rms)(std::int8_t, y_rms, y_rms)(std::int8_t, invalid_state, invalid_state)  //
+    (std::int8_t, pdh0, pdh0)(std::int8_t, vx_rms, vx_rms)(std::int8_t, vy_rms, vy_rms))
+
 namespace radar_dot::dataset {
 namespace {
 
-std::optional<ScalarType> scalarType(std::string_view type_and_size) {
-  constexpr std::pair<std::string_view, ScalarType> kTypes[] = {
-      {"I1", ScalarType::kInt8},    {"U1", ScalarType::kUint8},  {"I2", ScalarType::kInt16},
-      {"U2", ScalarType::kUint16},  {"I4", ScalarType::kInt32},  {"U4", ScalarType::kUint32},
-      {"F4", ScalarType::kFloat32}, {"F8", ScalarType::kFloat64}};
-  for (const auto& [name, type] : kTypes)
-    if (name == type_and_size) return type;
-  return std::nullopt;
+std::vector<std::string_view> wordsOf(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (std::size_t start = line.find_first_not_of(" \t\r"); start != std::string_view::npos;) {
+    const std::size_t end = std::min(line.find_first_of(" \t\r", start), line.size());
+    words.push_back(line.substr(start, end - start));
+    start = line.find_first_not_of(" \t\r", end);
+  }
+  return words;
 }
 
-/// Goes through the lines up to DATA and then puts their entries together.
+/// Goes through the lines up to DATA and then puts their entries together. PCL's own reading of a header
+/// names no line, allocates whatever POINTS says, and takes a file without points for an error.
 class PcdHeader {
  public:
   PcdHeader(std::string_view content, const std::filesystem::path& file) : content_(content), file_(file) {
     while (entries_.find("DATA") == entries_.end()) parseLine(nextLine());
-    if (const Entry& data = entry("DATA"); data.values != std::vector<std::string_view>{"binary"})
-      fail(data.line, "DATA must be binary; convert the file (pcl_convert_pcd_ascii_binary IN OUT 1)");
+    constexpr std::string_view kFormats[] = {"ascii", "binary", "binary_compressed"};
+    const Entry& data = entry("DATA");
+    if (data.values.size() != 1 ||
+        std::find(std::begin(kFormats), std::end(kFormats), data.values[0]) == std::end(kFormats))
+      fail(data.line, "DATA must be ascii, binary or binary_compressed");
   }
 
-  /// Bytes; where the records start.
-  std::size_t size() const noexcept { return position_; }
+  /// ascii, binary or binary_compressed.
+  std::string_view format() const { return entry("DATA").values[0]; }
+
+  /// What follows the header.
+  std::string_view body() const { return content_.substr(position_); }
 
   /// The fields and the number of points; no data.
   PointCloud emptyCloud() const {
@@ -52,9 +72,9 @@ class PcdHeader {
                                            names.values.size()));
     }
     for (std::size_t i = 0; i < names.values.size(); ++i) {
-      const std::string_view size = entry("SIZE").values[i], type = entry("TYPE").values[i];
-      const auto scalar = scalarType(std::string(type).append(size));
-      if (!scalar)
+      const std::string size(entry("SIZE").values[i]), type(entry("TYPE").values[i]);
+      const auto scalar = static_cast<ScalarType>(pcl::getFieldType(std::atoi(size.c_str()), type[0]));
+      if (type.size() != 1 || std::to_string(scalarSize(scalar)) != size)
         fail(entry("TYPE").line,
              fmt::format("field '{}' has TYPE {} of SIZE {}", names.values[i], type, size));
       if (entry("COUNT").values[i] != "1")
@@ -63,8 +83,8 @@ class PcdHeader {
       if (findField(cloud.fields, names.values[i]) != nullptr)
         fail(names.line, fmt::format("field '{}' appears twice", names.values[i]));
       cloud.fields.push_back(
-          {std::string(names.values[i]), static_cast<std::uint32_t>(cloud.point_step), *scalar, 1});
-      cloud.point_step += scalarSize(*scalar);
+          {std::string(names.values[i]), static_cast<std::uint32_t>(cloud.point_step), scalar, 1});
+      cloud.point_step += scalarSize(scalar);
     }
     cloud.size = number("POINTS");
     if (number("WIDTH") * number("HEIGHT") != cloud.size)
@@ -97,12 +117,7 @@ class PcdHeader {
   void parseLine(std::string_view line) {
     constexpr std::string_view kKeywords[] = {"VERSION", "FIELDS",    "SIZE",   "TYPE",   "COUNT",
                                               "WIDTH",   "VIEWPOINT", "HEIGHT", "POINTS", "DATA"};
-    std::vector<std::string_view> words;
-    for (std::size_t start = line.find_first_not_of(" \t\r"); start != std::string_view::npos;) {
-      const std::size_t end = std::min(line.find_first_of(" \t\r", start), line.size());
-      words.push_back(line.substr(start, end - start));
-      start = line.find_first_not_of(" \t\r", end);
-    }
+    const std::vector<std::string_view> words = wordsOf(line);
     if (words.empty() || words[0][0] == '#') return;
     if (std::find(std::begin(kKeywords), std::end(kKeywords), words[0]) == std::end(kKeywords))
       fail(line_, fmt::format("'{}' is no entry of a PCD header", printable(words[0])));
@@ -139,30 +154,80 @@ class PcdHeader {
   std::map<std::string_view, Entry> entries_;
 };
 
+/// The lines of an ASCII body that hold the records of the cloud, as many as there are.
+std::string recordLines(std::string_view body, const PointCloud& cloud, const std::filesystem::path& file) {
+  std::istringstream stream{std::string(body)};
+  std::string lines;
+  std::size_t record = 0;
+  for (std::string line; record < cloud.size && std::getline(stream, line);) {
+    const std::size_t count = wordsOf(line).size();
+    if (count == 0) continue;
+    if (count != cloud.fields.size())
+      throw DatasetError(fmt::format("{}: record {} (counted from 0) has {} values for {} FIELDS",
+                                     file.string(), record, count, cloud.fields.size()));
+    lines += line + '\n';
+    ++record;
+  }
+  return lines;
+}
+
+/// PCL makes some number of any word, and another of one that the type of its field cannot hold.
+void checkAscii(const std::string& lines, const PointCloud& cloud, const std::filesystem::path& file) {
+  std::istringstream words(lines);
+  for (std::size_t record = 0; record < cloud.size; ++record) {
+    for (const PointField& field : cloud.fields) {
+      std::string word;
+      words >> word;
+      char* end = nullptr;
+      const double given = field.type == ScalarType::kFloat32 ? double{std::strtof(word.c_str(), &end)}
+                                                              : std::strtod(word.c_str(), &end);
+      const double read = readScalar(cloud.view().point(record) + field.offset, field.type);
+      if (*end != '\0' || !(given == read || (std::isnan(given) && std::isnan(read))))
+        throw DatasetError(fmt::format("{}: record {} (counted from 0): '{}' is no value for the field '{}'",
+                                       file.string(), record, word, field.name));
+    }
+  }
+}
+
+/// Whether compressed data unpack to `size` bytes; PCL reads, and allocates, whatever they say.
+bool unpacks(std::string_view body, std::size_t size) {
+  std::uint32_t sizes[2] = {};  // packed, unpacked
+  if (body.size() < sizeof sizes) return false;
+  std::memcpy(sizes, body.data(), sizeof sizes);
+  constexpr std::size_t kBestRatio = 88;  // 264 bytes by 3
+  if (sizes[0] > body.size() - sizeof sizes || sizes[1] != size || size / kBestRatio > sizes[0]) return false;
+  std::vector<char> unpacked(size);
+  return pcl::lzfDecompress(body.data() + sizeof sizes, sizes[0], unpacked.data(), sizes[1]) == size;
+}
+
 template <typename Scalar>
 void append(OutputFile& file, Scalar value) {
   file.write({reinterpret_cast<const char*>(&value), sizeof value});
 }
 
-void append(OutputFile& file, const RadarRecord& record) {
-  const auto& r = record;
-  for (const float value : {r.x, r.y, r.z}) append(file, value);
-  append(file, r.dyn_prop);
-  append(file, r.id);
-  for (const float value : {r.rcs, r.vx, r.vy, r.vx_comp, r.vy_comp}) append(file, value);
-  for (const std::int8_t value :
-       {r.is_quality_valid, r.ambig_state, r.x_rms, r.y_rms, r.invalid_state, r.pdh0, r.vx_rms, r.vy_rms})
-    append(file, value);
-}
-
-/// What stands for a scan without returns in nuScenes.
-RadarRecord emptyScan() {
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  RadarRecord record;
-  for (float* value : {&record.x, &record.y, &record.z, &record.rcs, &record.vx, &record.vy, &record.vx_comp,
-                       &record.vy_comp})
-    *value = kNone;
-  return record;
+/// By PCL, which trusts the header: what there is must have been checked.
+std::vector<std::uint8_t> readRecords(std::string_view body, std::string_view format, const PointCloud& cloud,
+                                      const std::filesystem::path& file) {
+  pcl::PCLPointCloud2 records;
+  for (const PointField& field : cloud.fields) {
+    pcl::PCLPointField& column = records.fields.emplace_back();
+    column.name = field.name;
+    column.offset = field.offset;
+    column.datatype = static_cast<std::uint8_t>(field.type);
+    column.count = field.count;
+  }
+  records.height = 1;
+  records.width = static_cast<std::uint32_t>(cloud.size);
+  records.point_step = static_cast<std::uint32_t>(cloud.point_step);
+  records.data.resize(cloud.size * cloud.point_step);
+  std::istringstream text(format == "ascii" ? std::string(body) : "");
+  const auto* bytes = reinterpret_cast<const unsigned char*>(body.data());
+  pcl::PCDReader reader;
+  if ((format == "ascii"
+           ? reader.readBodyASCII(text, records, pcl::PCDReader::PCD_V7)
+           : reader.readBodyBinary(bytes, records, pcl::PCDReader::PCD_V7, format != "binary", 0)) != 0)
+    throw DatasetError(fmt::format("{}: PCL cannot read its records", file.string()));
+  return std::move(records.data);
 }
 
 }  // namespace
@@ -171,14 +236,28 @@ PointCloud readPcd(const std::filesystem::path& file) {
   const std::vector<std::uint8_t> bytes = readBytes(file);
   const PcdHeader header({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file);
   PointCloud cloud = header.emptyCloud();
-  const std::size_t available = (bytes.size() - header.size()) / cloud.point_step;
-  if (available < cloud.size)
-    throw DatasetError(
-        fmt::format("{}: the data end in record {} of {} (counted from 0); the file is incomplete, "
-                    "extract it again",
-                    file.string(), available, cloud.size));
-  const std::uint8_t* records = bytes.data() + header.size();
-  cloud.data.assign(records, records + cloud.size * cloud.point_step);
+  const std::string_view format = header.format();
+  const std::string lines = format == "ascii" ? recordLines(header.body(), cloud, file) : "";
+  const std::string_view body = format == "ascii" ? lines : header.body();
+  if (format == "binary_compressed") {
+    if (cloud.size != 0 && !unpacks(body, cloud.size * cloud.point_step))
+      throw DatasetError(
+          fmt::format("{}: the compressed data of the {} records are incomplete or damaged; "
+                      "extract it again",
+                      file.string(), cloud.size));
+  } else {
+    const std::size_t available = format == "ascii"
+                                      ? static_cast<std::size_t>(std::count(body.begin(), body.end(), '\n'))
+                                      : body.size() / cloud.point_step;
+    if (available < cloud.size)
+      throw DatasetError(
+          fmt::format("{}: the data end in record {} of {} (counted from 0); the file is incomplete, "
+                      "extract it again",
+                      file.string(), available, cloud.size));
+  }
+  if (cloud.size == 0) return cloud;
+  cloud.data = readRecords(body, format, cloud, file);
+  if (format == "ascii") checkAscii(lines, cloud, file);
   return cloud;
 }
 
@@ -198,23 +277,19 @@ PointCloud readLidarBin(const std::filesystem::path& file) {
 }
 
 void writeRadarPcd(const std::filesystem::path& file, const std::vector<RadarRecord>& records) {
-  if (records.empty()) return writeRadarPcd(file, {emptyScan()});
-  OutputFile output(file);
-  output.write(fmt::format(
-      "# .PCD v0.7 - Point Cloud Data file format\n"
-      "VERSION 0.7\n"
-      "FIELDS x y z dyn_prop id rcs vx vy vx_comp vy_comp is_quality_valid ambig_state x_rms y_rms "
-      "invalid_state pdh0 vx_rms vy_rms\n"
-      "SIZE 4 4 4 1 2 4 4 4 4 4 1 1 1 1 1 1 1 1\n"
-      "TYPE F F F I I F F F F F I I I I I I I I\n"
-      "COUNT 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1\n"
-      "WIDTH {0}\n"
-      "HEIGHT 1\n"
-      "VIEWPOINT 0 0 0 1 0 0 0\n"
-      "POINTS {0}\n"
-      "DATA binary\n",
-      records.size()));
-  for (const RadarRecord& record : records) append(output, record);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  if (records.empty())  // what stands for a scan without returns in nuScenes
+    return writeRadarPcd(file, {{kNan, kNan, kNan, 0, 0, kNan, kNan, kNan, kNan, kNan}});
+  std::vector<pcl::PCLPointField> fields;
+  pcl::for_each_type<pcl::traits::fieldList<RadarRecord>::type>(pcl::detail::FieldAdder<RadarRecord>(fields));
+  OutputFile output(file);  // names what is wrong, which PCDWriter::writeBinary() does not
+  output.write(
+      pcl::PCDWriter().generateHeader(pcl::PointCloud<RadarRecord>(), static_cast<int>(records.size())));
+  output.write("DATA binary\n");
+  for (const RadarRecord& record : records)
+    for (const pcl::PCLPointField& field : fields)
+      output.write({reinterpret_cast<const char*>(&record) + field.offset,
+                    static_cast<std::size_t>(pcl::getFieldSize(field.datatype))});
   output.close();
 }
 

@@ -1,6 +1,7 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <pcl/io/pcd_io.h>
 
 #include <cmath>
 #include <cstring>
@@ -108,6 +109,53 @@ TEST_F(PointFileWriters, ExtremeRadarValuesComeBack) {
   EXPECT_EQ(value("id"), -32768.0);
   EXPECT_EQ(value("dyn_prop"), 127.0);
   EXPECT_EQ(value("vy_rms"), -128.0);
+}
+
+TEST_F(PointFileWriters, WhatPclMakesOfAFileIsTheSame) {
+  std::vector<RadarRecord> records = someRecords(100);
+  records[7].vx = std::nanf("");
+  writeRadarPcd(file(), records);
+  const PointCloud cloud = readPcd(file());
+  pcl::PCLPointCloud2 blob;
+  ASSERT_EQ(pcl::PCDReader().read(file(), blob), 0);
+  const Eigen::Vector4f origin = Eigen::Vector4f::Zero();
+  const Eigen::Quaternionf orientation = Eigen::Quaternionf::Identity();
+  const auto expect_same = [&] {
+    const PointCloud read = readPcd(file());
+    EXPECT_EQ(read.fields, cloud.fields);
+    EXPECT_EQ(read.data, cloud.data);
+  };
+  ASSERT_EQ(pcl::PCDWriter().writeASCII(file(), blob, origin, orientation, 9), 0);
+  expect_same();
+  ASSERT_EQ(pcl::PCDWriter().writeBinaryCompressed(file(), blob, origin, orientation), 0);
+  expect_same();
+}
+
+TEST_F(PointFileWriters, DamagedCompressedDataAreNeitherReadNorTrusted) {
+  writeRadarPcd(file(), someRecords(100));
+  pcl::PCLPointCloud2 blob;
+  ASSERT_EQ(pcl::PCDReader().read(file(), blob), 0);
+  ASSERT_EQ(pcl::PCDWriter().writeBinaryCompressed(file(), blob), 0);
+  std::string whole = test::readFile(file());
+  const std::size_t body = whole.find("compressed\n") + 11;
+  std::uint32_t packed = 0;
+  std::memcpy(&packed, &whole[body], sizeof packed);
+  whole.resize(body + 8 + packed);  // PCL fills the page
+  const auto expect_refusal = [&](const std::string& text) {
+    test::writeFile(file(), text);
+    ::testing::internal::CaptureStderr();
+    test::expectRefusal<DatasetError>([&] { readPcd(file()); }, {file().string(), "compressed data"});
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  };
+  for (std::size_t size = body; size < whole.size(); size += 7) expect_refusal(whole.substr(0, size));
+  expect_refusal(std::string(whole).replace(body, 4, "\xFF\xFF\xFF\xFF"));
+  expect_refusal(std::string(whole).replace(body + 4, 4, "\xFF\xFF\xFF\xFF"));
+  expect_refusal(std::string(whole).replace(body + 8, whole.size(), whole.size() - body - 8, '\xFF'));
+  // 4 GB out of 20 bytes.
+  expect_refusal(
+      "FIELDS x\nSIZE 4\nTYPE U\nCOUNT 1\nWIDTH 999999999\nHEIGHT 1\nPOINTS 999999999\n"
+      "DATA binary_compressed\n" +
+      std::string("\x14\0\0\0\xFC\x27\x6B\xEE", 8) + std::string(20, '\0'));
 }
 
 TEST_F(PointFileWriters, LidarRecordsComeBack) {

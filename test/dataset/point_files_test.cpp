@@ -144,9 +144,9 @@ TEST_F(PointFiles, HeaderErrorsNameTheLine) {
   const std::string size = "WIDTH 0\nHEIGHT 1\n";
   expectError(head + "WIDTH 5\nHEIGHT 1\nPOINTS 4\nDATA binary\n",
               {"header line 7", "POINTS is 4", "WIDTH x HEIGHT is 5"});
-  for (const char* data : {"binary_compressed", "ascii", "zip"})
+  for (const char* data : {"zip", "", "binary 1"})
     expectError(head + size + "POINTS 0\nDATA " + data + "\n",
-                {"header line 8", "DATA must be binary; convert the file"});
+                {"header line 8", "DATA must be ascii, binary or binary_compressed"});
   expectError(head + size + "POINTS many\nDATA binary\n",
               {"header line 7", "POINTS must be one whole number"});
   expectError(head + size + "POINTS -1\nDATA binary\n", {"header line 7", "POINTS must be one whole number"});
@@ -173,6 +173,35 @@ TEST_F(PointFiles, HugeCountsAreTruncationsNotAllocations) {
   const std::string head = "FIELDS x\nSIZE 4\nTYPE F\nCOUNT 1\nHEIGHT 1\n";
   expectError(head + "WIDTH 400000000\nPOINTS 400000000\nDATA binary\n", {"record 0 of 400000000"});
   expectError(head + "WIDTH 0\nPOINTS 99999999999999999999\nDATA binary\n", {"POINTS must be"});
+}
+
+/// A file of three fields.
+std::string asciiFile(int points, const std::string& records) {
+  const std::string count = std::to_string(points);
+  return "FIELDS x n big\nSIZE 4 1 8\nTYPE F I F\nCOUNT 1 1 1\nWIDTH " + count + "\nHEIGHT 1\nPOINTS " +
+         count + "\nDATA ascii\n" + records;
+}
+
+TEST_F(PointFiles, RecordsMayBeAscii) {
+  PcdContent content;
+  content.fields = {{"x"}, {"n", 'I', 1}, {"big", 'F', 8}};
+  content.records = {{0.1, -128, 1e300}, {kNan, 127, -std::numeric_limits<double>::infinity()}};
+  const std::string records = "0.1 -128 1e300\n\r\n \tnan\t127 -inf\r\n";
+  expectContent(readText(asciiFile(2, records)), content);
+  expectContent(readText(asciiFile(2, records + "what follows\n")), content);
+  content.records.pop_back();
+  expectContent(readText(asciiFile(1, "0.1 -128 1e300")), content);
+  EXPECT_EQ(readText(asciiFile(0, "")).size, 0U);
+}
+
+TEST_F(PointFiles, AsciiErrorsNameTheRecord) {
+  expectError(asciiFile(2, "0 0 0\n"), {"record 1 of 2", "incomplete"});
+  expectError(asciiFile(400000000, "0 0 0\n"), {"record 1 of 400000000"});
+  expectError(asciiFile(2, "0 0 0\n0 0\n"), {"record 1", "2 values for 3 FIELDS"});
+  for (const char* word : {"-", "0x", "1.5", "128", "-129", "nan", "2e9"})
+    expectError(asciiFile(2, std::string("0 0 0\n0 ") + word + " 0\n"),
+                {"record 1", "'" + std::string(word) + "' is no value for the field 'n'"});
+  expectError(asciiFile(1, "zero 0 0\n"), {"record 0", "'zero' is no value for the field 'x'"});
 }
 
 TEST_F(PointFiles, MissingFilesAreNamed) {

@@ -48,11 +48,13 @@ echo 'ego_velocity: {radars: {front: {topic: points, preset: none}}}' >"$scratch
   fail "presets are not looked for in $share/config/radars"
 /usr/bin/python3 -c 'from radar_dot.msg import EgoStatus, Flow, MovingObjects'
 
-cmake -S "$source/test/package/downstream" -B "$scratch/build" -DCATKIN_ENABLE_TESTING=OFF >"$scratch/configure.log" 2>&1 ||
+sed -n '/^```cpp$/,/^```$/{/^```/!p;}' "$source/docs/nodes.md" >"$scratch/example.h"
+cmake -S "$source/test/package/downstream" -B "$scratch/build" -DCATKIN_ENABLE_TESTING=OFF \
+  -DEXAMPLE="$scratch/example.h" >"$scratch/configure.log" 2>&1 ||
   { cat "$scratch/configure.log"; fail "the package downstream does not configure"; }
 cmake --build "$scratch/build" >"$scratch/build.log" 2>&1 ||
   { cat "$scratch/build.log"; fail "the package downstream does not build"; }
-for program in drive_straight load_nodelets; do
+for program in cluster_returns drive_straight load_nodelets; do
   "$scratch/build/devel/lib/downstream/$program" || fail "$program failed"
 done
 rm -rf "$scratch" "$prefix"

@@ -2,7 +2,7 @@
 # Configures the package as on a vehicle that has catkin, Eigen, OpenCV, fmt, TBB and yaml-cpp only.
 cmake_minimum_required(VERSION 3.16)
 
-set(absent Embree RapidJSON boost_program_options Torch)
+set(absent Embree PCL RapidJSON boost_program_options Torch)
 set(without "")
 foreach(package ${absent})
   list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
@@ -47,8 +47,8 @@ configure(vehicle)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "The package does not configure without ${absent}:\n${log}")
 endif()
-expect("radar_dot: simulation: off (Embree, RapidJSON not found)")
-expect("radar_dot: tools: off (Boost.Program_options, RapidJSON not found)")
+expect("radar_dot: simulation: off (Embree, PCL, RapidJSON not found)")
+expect("radar_dot: tools: off (Boost.Program_options, PCL, RapidJSON not found)")
 expect_listed(COMMAND ${CMAKE_COMMAND} --build . --target help
   WITH radar_dot_radar radar_dot_vision radar_dot_objects radar_dot_nodelets stamp_guard_test
   WITHOUT radar_dot_dataset radar_dot_simulation radar_dot_evaluation radar_dot_bag simulate_drive nuscenes_to_bag

@@ -10,9 +10,9 @@
 
 namespace radar_dot::dataset {
 
-/// Reads a .pcd file (DATA binary, COUNT 1) with whatever fields, order and types its header declares.
-/// POINTS decides how many records there are: nuScenes pads its files with zeros. Zero points are a valid
-/// cloud.
+/// Reads a .pcd file (DATA ascii, binary or binary_compressed, COUNT 1) with whatever fields, order and types
+/// its header declares. POINTS decides how many records there are: nuScenes pads its files with zeros. Zero
+/// points are a valid cloud.
 /// @throws DatasetError naming file and header line, or the record at which the data end.
 PointCloud readPcd(const std::filesystem::path& file);
 

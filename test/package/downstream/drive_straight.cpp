@@ -17,14 +17,16 @@ int main() {
       radar_dot::DopplerReturn seen;
       seen.bearing = Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0.0).cast<float>();
       seen.range = 20.0F;
-      seen.doppler = static_cast<float>((radar == 0 ? -10.0 : 10.0) * std::cos(azimuth));  // the rear one recedes
+      seen.doppler =
+          static_cast<float>((radar == 0 ? -10.0 : 10.0) * std::cos(azimuth));  // the rear one recedes
       returns[radar].push_back(seen);
     }
     scans[radar].returns = returns[radar];
     scans[radar].radar = radar;
   }
   scans[0].T_base_from_sensor = Eigen::Translation3d(3.5, 0.0, 0.5);
-  scans[1].T_base_from_sensor = Eigen::Translation3d(-0.5, 0.0, 0.5) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ());
+  scans[1].T_base_from_sensor =
+      Eigen::Translation3d(-0.5, 0.0, 0.5) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ());
 
   radar_dot::SweepEstimator estimator;
   const radar_dot::SweepEstimate estimate = estimator.estimate(scans, 0.0);

@@ -3,9 +3,9 @@
 //
 // Loads every nodelet of radar_dot as a nodelet manager would. Needs no master.
 #include <nodelet/nodelet.h>
-#include <pluginlib/class_loader.hpp>
 
 #include <cstdio>
+#include <pluginlib/class_loader.hpp>
 
 int main() {
   pluginlib::ClassLoader<nodelet::Nodelet> loader("nodelet", "nodelet::Nodelet");
