@@ -7,12 +7,11 @@
 #include <sensor_msgs/PointCloud.h>
 
 #include <boost/make_shared.hpp>
-#include <boost/uuid/detail/md5.hpp>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <map>
 
+#include "fixtures/definition_sum.h"
 #include "fixtures/refusal.h"
 #include "nodelets/float_cloud.h"
 #include "nodelets/messages/radar_message.h"
@@ -243,27 +242,10 @@ TEST(RadarMessage, PlacesTheReturnsOfARadarScan) {
   EXPECT_EQ(receive(radar_msgs::RadarScan()).cloud->width, 0U);
 }
 
-// As defined by ROS: of a definition without comments, in which messages are replaced by their own sums.
 TEST(RadarMessage, TheSumOfRadarScanIsThatOfItsDefinition) {
-  const auto md5 = [](const std::string& text) {
-    boost::uuids::detail::md5 hash;
-    hash.process_bytes(text.data(), text.size());
-    boost::uuids::detail::md5::digest_type digest;
-    hash.get_digest(digest);
-    std::string hex;
-    for (const unsigned word : digest) {
-      char digits[9];
-      std::snprintf(digits, sizeof digits, "%08x", word);
-      hex += digits;
-    }
-    return hex;
-  };
-  ASSERT_EQ(md5("uint32 seq\ntime stamp\nstring frame_id"), ros::message_traits::md5sum<std_msgs::Header>());
-  const std::string radar_return =
-      md5("float32 range\nfloat32 azimuth\nfloat32 elevation\nfloat32 doppler_velocity\nfloat32 amplitude");
-  const std::string header = ros::message_traits::md5sum<std_msgs::Header>();
-  EXPECT_EQ(ros::message_traits::md5sum<radar_msgs::RadarScan>(),
-            md5(header + " header\n" + radar_return + " returns"));
+  EXPECT_EQ(test::sumOfDefinition<std_msgs::Header>(), ros::message_traits::md5sum<std_msgs::Header>());
+  EXPECT_EQ(test::sumOfDefinition<radar_msgs::RadarScan>(),
+            ros::message_traits::md5sum<radar_msgs::RadarScan>());
 }
 
 TEST(RadarMessage, NamesATypeThatIsNotTaken) {
