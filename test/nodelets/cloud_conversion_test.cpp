@@ -6,6 +6,7 @@
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
 #include <cstring>
@@ -150,6 +151,46 @@ TEST(WithPositions, NamesWhatIsWrongWithPolarFields) {
   withPositions(beyond, AngleUnit::kDegrees, faults);
   ASSERT_EQ(faults.size(), 2U);
   EXPECT_EQ(faults[1], "field 'range' (offset 6, type 7) does not fit into points of 8 bytes");
+}
+
+TEST(KeptCloud, OneRowBecomesShorter) {
+  sensor_msgs::PointCloud2 cloud = organisedCloud();
+  cloud.height = 1;
+  cloud.row_step = 0;  // as many drivers leave it
+  const auto kept = keptCloud(cloud, {1, 0, 1});
+  EXPECT_EQ(kept->header.stamp, cloud.header.stamp);
+  EXPECT_EQ(kept->width, 2U);
+  EXPECT_EQ(kept->row_step, 18U);
+  EXPECT_EQ(kept->fields, cloud.fields);
+  std::vector<std::uint8_t> expected(cloud.data.begin(), cloud.data.begin() + 9);
+  expected.insert(expected.end(), cloud.data.begin() + 18, cloud.data.begin() + 27);
+  EXPECT_EQ(kept->data, expected);
+  EXPECT_EQ(keptCloud(cloud, {0, 0, 0})->width, 0U);
+  EXPECT_EQ(keptCloud(sensor_msgs::PointCloud2(), {})->width, 0U);
+}
+
+// Two padded rows of x (a double), y, z and a byte.
+TEST(KeptCloud, OrganisedPointsLoseTheirPositionAlone) {
+  sensor_msgs::PointCloud2 cloud = organisedCloud();
+  cloud.is_dense = 1;
+  test::expectRefusal([&] { keptCloud(cloud, {1, 1, 1, 1, 0, 1}); }, {"field z", "organised"});
+  cloud.fields[2].name = "z";
+  test::expectRefusal([&] { keptCloud(cloud, {1, 1, 1, 1, 0, 1}); }, {"field z", "no float"});
+  cloud.fields[0].datatype = sensor_msgs::PointField::FLOAT64;
+  cloud.fields[1].offset = 8;
+  cloud.fields[2].offset = 12;
+  cloud.fields[2].datatype = sensor_msgs::PointField::FLOAT32;
+  cloud.point_step = 17;
+  cloud.row_step = 56;
+  cloud.data.assign(112, 7);
+  const auto kept = keptCloud(cloud, {1, 1, 1, 1, 0, 1});
+  EXPECT_EQ(kept->is_dense, 0);
+  EXPECT_EQ(kept->width, 3U);
+  EXPECT_EQ(kept->height, 2U);
+  for (const char* name : {"x", "y", "z"}) EXPECT_TRUE(std::isnan(valueOf(*kept, name, 4))) << name;
+  std::fill_n(kept->data.begin() + 56 + 17, 16, 7);
+  EXPECT_EQ(kept->data, cloud.data) << "all else is untouched";
+  EXPECT_EQ(keptCloud(cloud, {1, 1, 1, 1, 1, 1})->is_dense, 1);
 }
 
 /// What a subscriber gets of a message that a publisher of this type and md5sum sends.

@@ -119,7 +119,6 @@ TEST(KeptPoints, ThoseOnWhatMovesGo) {
                                                {8.F, 2.F, std::numeric_limits<float>::infinity()}};
   EXPECT_EQ(keptPoints(points, keep, camera, mount),
             (std::vector<std::uint8_t>{0, 0, 0, 1, 1, 1, 1, 1, 1, 1}));
-  EXPECT_EQ(keptPoints(points, keep == 255, camera, mount), keptPoints(points, keep, camera, mount));
   // The first pixel reaches half a pixel beyond its centre: 50.4 px to the left of the middle, 40.4 px up.
   EXPECT_EQ(keptPoints({{8.F, 6.3F, 5.05F}}, marked({0, 0, 1, 1}) == 0, camera, mount).at(0), 0);
 }
