@@ -14,6 +14,14 @@ namespace {
 constexpr float kNearest = 0.1F;   // m; what is nearer to the camera's plane has no useful pixel
 constexpr int kSurroundings = 16;  // px around what is filled
 
+/// What is not kept, and so many pixels around it; empty: all is kept.
+cv::Rect dropped(const cv::Mat& keep, int around) {
+  const cv::Rect area = cv::boundingRect(keep == 0);
+  if (area.empty()) return area;
+  return cv::Rect(area.x - around, area.y - around, area.width + 2 * around, area.height + 2 * around) &
+         cv::Rect({0, 0}, keep.size());
+}
+
 using Pixel = cv::Vec4f;  // colour times weight, and the weight: 1 = known
 
 /// Half as large. Whatever is known of a pixel's four decides it.
@@ -51,20 +59,18 @@ cv::Mat knownOf(const cv::Mat& image, const cv::Mat& keep) {
 
 cv::Mat keepMask(const cv::Mat& mask, const cv::Size& size, double dilation) {
   cv::Mat keep = resizeNearest(mask, size) == 0;
-  if (cv::countNonZero(keep) == size.area()) return keep;
+  const cv::Rect area = dropped(keep, static_cast<int>(std::ceil(dilation)));
+  if (area.empty()) return keep;
   cv::Mat distance;  // px, to the nearest pixel that moves
-  cv::distanceTransform(keep, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  return distance > dilation;
+  cv::distanceTransform(keep(area), distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  keep(area) = distance > dilation;
+  return keep;
 }
 
 cv::Mat filled(const cv::Mat& image, const cv::Mat& keep) {
-  cv::Rect area = cv::boundingRect(keep == 0);
   cv::Mat result = image.clone();
+  const cv::Rect area = dropped(keep, kSurroundings);
   if (area.empty()) return result;
-  area -= cv::Point(kSurroundings, kSurroundings);
-  area += cv::Size(2 * kSurroundings, 2 * kSurroundings);
-  area &= cv::Rect({0, 0}, image.size());
-
   std::vector<cv::Mat> levels = {knownOf(image(area), keep(area))};
   while (levels.back().total() > 1) levels.push_back(pulled(levels.back()));
   for (std::size_t i = levels.size() - 1; i > 0; --i) push(levels[i], levels[i - 1]);
