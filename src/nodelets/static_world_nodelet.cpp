@@ -16,8 +16,9 @@
 namespace radar_dot {
 namespace {
 
-constexpr std::uint32_t kQueue = 10;
+constexpr std::uint32_t kQueue = 30;     // what comes while others are worked on
 constexpr std::size_t kMaxWaiting = 60;  // of each input: two seconds at 30 Hz; raw images are large
+constexpr std::size_t kDistances = 4;    // images, depths and clouds are not at the same masks
 constexpr double kSlack = 1.0;           // s of masks beyond those that may be used
 
 double apartOf(const sensor_msgs::Image& mask, const ros::Time& stamp) {
@@ -82,6 +83,7 @@ void StaticWorldNodelet::apply(const StaticWorldConfig& config) {
 void StaticWorldNodelet::clearHistory() {
   for (Queue* queue : {&images_, &depths_, &clouds_}) queue->clear();
   masks_.clear();
+  distances_.clear();
   motion_->forget();
 }
 
@@ -132,10 +134,17 @@ sensor_msgs::ImageConstPtr StaticWorldNodelet::maskAt(const ros::Time& stamp, co
 }
 
 cv::Mat StaticWorldNodelet::keepOf(const sensor_msgs::ImageConstPtr& mask, const ros::Time& stamp,
-                                   const cv::Size& size) const {
+                                   const cv::Size& size) {
   if (!mask) return {size, CV_8UC1, cv::Scalar(255)};
-  return keepMask(decodedImageOf(mask).pixels, size,
-                  config_.dilation + config_.dilation_rate * apartOf(*mask, stamp));
+  auto known = std::find_if(distances_.begin(), distances_.end(), [&](const Distance& distance) {
+    return distance.mask == mask && distance.pixels.size() == size;
+  });
+  if (known == distances_.end()) {
+    distances_.push_front({mask, distanceToMoving(decodedImageOf(mask).pixels, size)});
+    if (distances_.size() > kDistances) distances_.pop_back();
+    known = distances_.begin();
+  }
+  return known->pixels > config_.dilation + config_.dilation_rate * apartOf(*mask, stamp);
 }
 
 void StaticWorldNodelet::publishImage(LazyImage& picture) {

@@ -5,6 +5,7 @@
 #include <image_transport/image_transport.h>
 #include <sensor_msgs/PointCloud2.h>
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -30,6 +31,11 @@ class StaticWorldNodelet : public ConfiguredNodelet<StaticWorldConfig> {
     std::function<void()> publish;
   };
   using Queue = WaitingQueue<Task>;
+  /// Of a mask, which serves several outputs.
+  struct Distance {
+    sensor_msgs::ImageConstPtr mask;
+    cv::Mat pixels;  // as of distanceToMoving()
+  };
 
   void setUp() override;
   void listenToInputs();
@@ -56,13 +62,14 @@ class StaticWorldNodelet : public ConfiguredNodelet<StaticWorldConfig> {
   /// The mask that holds at a time, for a grid of the image's shape; null, counted and warned of: there is
   /// none.
   sensor_msgs::ImageConstPtr maskAt(const ros::Time& stamp, const cv::Size& size);
-  /// Which pixels are kept there. @param mask  null: all
-  cv::Mat keepOf(const sensor_msgs::ImageConstPtr& mask, const ros::Time& stamp, const cv::Size& size) const;
+  /// Which pixels are kept there: 255, else 0. @param mask  null: all
+  cv::Mat keepOf(const sensor_msgs::ImageConstPtr& mask, const ros::Time& stamp, const cv::Size& size);
   void notePublished(const ros::Time& stamp);
 
   std::unique_ptr<EgoMotion> motion_;
   sensor_msgs::CameraInfoConstPtr camera_;
   StampCache<sensor_msgs::Image> masks_;
+  std::deque<Distance> distances_;  // of the latest masks that were used
   Queue images_, depths_, clouds_;
 
   InputMonitor *image_input_ = nullptr, *mask_input_ = nullptr, *depth_input_ = nullptr,

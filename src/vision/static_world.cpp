@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "resize_nearest.h"
@@ -13,14 +14,6 @@ namespace {
 
 constexpr float kNearest = 0.1F;   // m; what is nearer to the camera's plane has no useful pixel
 constexpr int kSurroundings = 16;  // px around what is filled
-
-/// What is not kept, and so many pixels around it; empty: all is kept.
-cv::Rect dropped(const cv::Mat& keep, int around) {
-  const cv::Rect area = cv::boundingRect(keep == 0);
-  if (area.empty()) return area;
-  return cv::Rect(area.x - around, area.y - around, area.width + 2 * around, area.height + 2 * around) &
-         cv::Rect({0, 0}, keep.size());
-}
 
 using Pixel = cv::Vec4f;  // colour times weight, and the weight: 1 = known
 
@@ -57,20 +50,22 @@ cv::Mat knownOf(const cv::Mat& image, const cv::Mat& keep) {
 
 }  // namespace
 
-cv::Mat keepMask(const cv::Mat& mask, const cv::Size& size, double dilation) {
-  cv::Mat keep = resizeNearest(mask, size) == 0;
-  const cv::Rect area = dropped(keep, static_cast<int>(std::ceil(dilation)));
-  if (area.empty()) return keep;
-  cv::Mat distance;  // px, to the nearest pixel that moves
-  cv::distanceTransform(keep(area), distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  keep(area) = distance > dilation;
-  return keep;
+cv::Mat distanceToMoving(const cv::Mat& mask, const cv::Size& size) {
+  const cv::Mat still = resizeNearest(mask, size) == 0;
+  if (cv::countNonZero(still) == size.area())
+    return {size, CV_32FC1, cv::Scalar(std::numeric_limits<double>::infinity())};
+  cv::Mat distance;
+  cv::distanceTransform(still, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  return distance;
 }
 
 cv::Mat filled(const cv::Mat& image, const cv::Mat& keep) {
   cv::Mat result = image.clone();
-  const cv::Rect area = dropped(keep, kSurroundings);
+  cv::Rect area = cv::boundingRect(keep == 0);
   if (area.empty()) return result;
+  area -= cv::Point(kSurroundings, kSurroundings);
+  area += cv::Size(2 * kSurroundings, 2 * kSurroundings);
+  area &= cv::Rect({0, 0}, image.size());
   std::vector<cv::Mat> levels = {knownOf(image(area), keep(area))};
   while (levels.back().total() > 1) levels.push_back(pulled(levels.back()));
   for (std::size_t i = levels.size() - 1; i > 0; --i) push(levels[i], levels[i - 1]);

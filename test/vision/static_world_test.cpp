@@ -21,16 +21,20 @@ cv::Mat marked(const cv::Rect& area) {
   return mask;
 }
 
+cv::Mat keepMask(const cv::Mat& mask, const cv::Size& size, double dilation) {
+  return distanceToMoving(mask, size) > dilation;
+}
+
 /// Whether two images differ nowhere.
 bool same(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF) == 0.0; }
 
-TEST(KeepMask, KeepsAllWhereNothingMoves) {
+TEST(DistanceToMoving, KeepsAllWhereNothingMoves) {
   const cv::Mat keep = keepMask(marked({0, 0, 0, 0}), {kColumns, kRows}, 50.0);
   EXPECT_EQ(keep.type(), CV_8UC1);
   EXPECT_EQ(cv::countNonZero(keep == 255), kColumns * kRows);
 }
 
-TEST(KeepMask, DropsADiscAroundAPixel) {
+TEST(DistanceToMoving, DropsADiscAroundAPixel) {
   for (const double radius : {0.0, 1.0, 2.0, 2.5, 7.0}) {
     const cv::Mat keep = keepMask(marked({50, 40, 1, 1}), {kColumns, kRows}, radius);
     for (int row = 0; row < kRows; ++row)
@@ -40,7 +44,7 @@ TEST(KeepMask, DropsADiscAroundAPixel) {
   }
 }
 
-TEST(KeepMask, AMaskOnACoarserGridCoversTheSamePartOfTheImage) {
+TEST(DistanceToMoving, AMaskOnACoarserGridCoversTheSamePartOfTheImage) {
   cv::Mat mask = cv::Mat::zeros(9, 16, CV_8UC1);
   mask.at<std::uint8_t>(3, 5) = 1;
   const cv::Mat keep = keepMask(mask, {64, 36}, 0.0);
@@ -49,7 +53,7 @@ TEST(KeepMask, AMaskOnACoarserGridCoversTheSamePartOfTheImage) {
   EXPECT_TRUE(same(keep, expected));
 }
 
-TEST(KeepMask, DropsAllWhereAllMoves) {
+TEST(DistanceToMoving, DropsAllWhereAllMoves) {
   EXPECT_EQ(cv::countNonZero(keepMask(marked({0, 0, kColumns, kRows}), {kColumns, kRows}, 3.0)), 0);
 }
 
