@@ -33,6 +33,12 @@ void describeRotationTimeout(double& rotation_timeout, FieldList& fields) {
              kTimeout);
 }
 
+void describeMaskMaxAge(double& mask_max_age, FieldList& fields) {
+  fields.add("mask_max_age", mask_max_age,
+             "Largest time between the image of a mask and a scan, image or cloud that it is used for", "s",
+             {0.0, 1000.0});
+}
+
 void describeUseMask(bool& use_mask, FieldList& fields) {
   fields.add("use_mask", use_mask, "Subscribe dynamic/mask, and use what it shows as moving");
 }
@@ -71,8 +77,7 @@ void EgoVelocityConfig::describe(FieldList& fields) {
   fields.group("Mask", FieldList::kLiveOnly);
   describeUseMask(use_mask, fields);
   fields.group("Mask");
-  fields.add("mask_max_age", mask_max_age,
-             "Largest time between the image of a mask and a scan that it is used for", "s", {0.0, 1000.0});
+  describeMaskMaxAge(mask_max_age, fields);
   footprint.describe(fields);
 }
 
@@ -219,6 +224,18 @@ void OverlayConfig::describe(FieldList& fields) {
              {0.0, 1000.0});
 }
 
+void StaticWorldConfig::describe(FieldList& fields) {
+  stream.describe(fields);
+  fields.group("Mask", FieldList::kLiveOnly);
+  fields.add("dilation", dilation, "What is this near to what moves goes with it", "px", {0.0, 1000.0});
+  fields.add("dilation_rate", dilation_rate,
+             "In addition, per second between the mask's image and what the mask is used for", "px/s",
+             {0.0, 100000.0});
+  describeMaskMaxAge(mask_max_age, fields);
+  fields.add("mask_wait", mask_wait, "Longest wait of an image, depth or cloud for a mask that is not older",
+             "s", kTimeout);
+}
+
 std::vector<Section> sectionsOf(Configuration& c) {
   return {{"ego_velocity", "EgoVelocity", fieldsOf(c.ego_velocity)},
           {"odometry", "Odometry", fieldsOf(c.odometry)},
@@ -226,7 +243,8 @@ std::vector<Section> sectionsOf(Configuration& c) {
           {"depth", "Depth", fieldsOf(c.depth)},
           {"dynamic_segmentation", "DynamicSegmentation", fieldsOf(c.dynamic_segmentation)},
           {"moving_objects", "MovingObjects", fieldsOf(c.moving_objects)},
-          {"overlay", "Overlay", fieldsOf(c.overlay)}};
+          {"overlay", "Overlay", fieldsOf(c.overlay)},
+          {"static_world", "StaticWorld", fieldsOf(c.static_world)}};
 }
 
 void validate(const Configuration& c) {
@@ -237,6 +255,7 @@ void validate(const Configuration& c) {
   validate(c.dynamic_segmentation);
   validate(c.moving_objects);
   validate(c.overlay);
+  validate(c.static_world);
 }
 
 }  // namespace radar_dot

@@ -27,6 +27,10 @@ void MovingObjectsNodelet::setUp() {
       *extrinsics_, [] {}, [](const std::string&) {}, true);
   objects_publisher_ = getNodeHandle().advertise<MovingObjects>("dynamic/objects", 10);
   markers_publisher_ = getNodeHandle().advertise<visualization_msgs::MarkerArray>("dynamic/markers", 10);
+  covariances_publisher_ = getNodeHandle().advertise<derived_object_msgs::ObjectWithCovarianceArray>(
+      "dynamic/objects_with_covariance", 10);
+  obstacles_publisher_ =
+      getNodeHandle().advertise<costmap_converter::ObstacleArrayMsg>("dynamic/obstacles", 10);
   const auto listenToLabel = [this](const std::string& topic, ReturnLabel label) {
     return &listen<sensor_msgs::PointCloud2>(
         topic, kCloudQueue,
@@ -71,7 +75,9 @@ void MovingObjectsNodelet::listenToMasks() {
 }
 
 bool MovingObjectsNodelet::hasAudience() const {
-  return objects_publisher_.getNumSubscribers() + markers_publisher_.getNumSubscribers() > 0;
+  return objects_publisher_.getNumSubscribers() + markers_publisher_.getNumSubscribers() +
+             covariances_publisher_.getNumSubscribers() + obstacles_publisher_.getNumSubscribers() >
+         0;
 }
 
 void MovingObjectsNodelet::apply(const MovingObjectsConfig& config) {
@@ -245,24 +251,34 @@ void MovingObjectsNodelet::publish(const ros::Time& stamp) {
   std::string missing;
   const std::optional<Eigen::Isometry3d> pose = poseAt(stamp, missing);
   if (!pose) return;  // it was there for the scan
-  FrameOfObjects frame;
-  if (inBaseFrame()) {
-    frame.T_frame_from_odom = planarPose(*pose).inverse();
-  } else {
-    frame.height = pose->translation().z();
-  }
-  MovingObjects message;
-  message.header.stamp = stamp;
-  message.header.frame_id = inBaseFrame() ? extrinsics_->baseFrame() : odom_frame_;
-  for (const ObjectTrack& track : tracker_.moving(stamp.toSec()))
-    message.objects.push_back(objectMessage(track, stamp, frame, config_.image_max_age));
-  std::sort(message.objects.begin(), message.objects.end(),
-            [](const MovingObject& a, const MovingObject& b) { return a.id < b.id; });
+  const MovingObjects message = objectsAt(stamp, *pose, config_.frame);
   objects_ = message.objects.size();
   latency_ = ros::Time::now().toSec() - stamp.toSec();
   objects_publisher_.publish(message);
   if (markers_publisher_.getNumSubscribers() > 0)
     markers_publisher_.publish(markers_.update(message, config_.marker_lifetime));
+  if (covariances_publisher_.getNumSubscribers() > 0)
+    covariances_publisher_.publish(objectsWithCovariance(message));
+  if (obstacles_publisher_.getNumSubscribers() > 0)
+    obstacles_publisher_.publish(obstaclesOf(objectsAt(stamp, *pose, ObjectFrame::kOdom)));
+}
+
+MovingObjects MovingObjectsNodelet::objectsAt(const ros::Time& stamp, const Eigen::Isometry3d& pose,
+                                              ObjectFrame frame) const {
+  FrameOfObjects place;
+  if (frame == ObjectFrame::kBase) {
+    place.T_frame_from_odom = planarPose(pose).inverse();
+  } else {
+    place.height = pose.translation().z();
+  }
+  MovingObjects message;
+  message.header.stamp = stamp;
+  message.header.frame_id = frame == ObjectFrame::kBase ? extrinsics_->baseFrame() : odom_frame_;
+  for (const ObjectTrack& track : tracker_.moving(stamp.toSec()))
+    message.objects.push_back(objectMessage(track, stamp, place, config_.image_max_age));
+  std::sort(message.objects.begin(), message.objects.end(),
+            [](const MovingObject& a, const MovingObject& b) { return a.id < b.id; });
+  return message;
 }
 
 void MovingObjectsNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {

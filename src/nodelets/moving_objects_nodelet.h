@@ -50,6 +50,8 @@ class MovingObjectsNodelet : public ConfiguredNodelet<MovingObjectsConfig> {
   /// Pose of the vehicle in the frame of the odometry, carried on by the twists beyond the latest.
   std::optional<Eigen::Isometry3d> poseAt(const ros::Time& time, std::string& missing);
   void publish(const ros::Time& stamp);
+  /// @param pose  of the vehicle at `stamp`
+  MovingObjects objectsAt(const ros::Time& stamp, const Eigen::Isometry3d& pose, ObjectFrame frame) const;
   void deleteMarkers();
   bool inBaseFrame() const noexcept { return config_.frame == ObjectFrame::kBase; }
   void drop(const std::string& reason);
@@ -67,7 +69,7 @@ class MovingObjectsNodelet : public ConfiguredNodelet<MovingObjectsConfig> {
 
   InputMonitor *static_input_ = nullptr, *dynamic_input_ = nullptr, *twist_input_ = nullptr,
                *odometry_input_ = nullptr, *mask_input_ = nullptr, *camera_input_ = nullptr;
-  ros::Publisher objects_publisher_, markers_publisher_;
+  ros::Publisher objects_publisher_, markers_publisher_, covariances_publisher_, obstacles_publisher_;
 
   // For the diagnostic.
   double computation_time_ = 0.0, latency_ = 0.0;

@@ -6,13 +6,13 @@
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
-#include <boost/uuid/detail/md5.hpp>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <map>
 
+#include "fixtures/definition_sum.h"
 #include "fixtures/refusal.h"
 #include "nodelets/float_cloud.h"
 #include "nodelets/messages/radar_message.h"
@@ -153,6 +153,46 @@ TEST(WithPositions, NamesWhatIsWrongWithPolarFields) {
   EXPECT_EQ(faults[1], "field 'range' (offset 6, type 7) does not fit into points of 8 bytes");
 }
 
+TEST(KeptCloud, OneRowBecomesShorter) {
+  sensor_msgs::PointCloud2 cloud = organisedCloud();
+  cloud.height = 1;
+  cloud.row_step = 0;  // as many drivers leave it
+  const auto kept = keptCloud(cloud, {1, 0, 1});
+  EXPECT_EQ(kept->header.stamp, cloud.header.stamp);
+  EXPECT_EQ(kept->width, 2U);
+  EXPECT_EQ(kept->row_step, 18U);
+  EXPECT_EQ(kept->fields, cloud.fields);
+  std::vector<std::uint8_t> expected(cloud.data.begin(), cloud.data.begin() + 9);
+  expected.insert(expected.end(), cloud.data.begin() + 18, cloud.data.begin() + 27);
+  EXPECT_EQ(kept->data, expected);
+  EXPECT_EQ(keptCloud(cloud, {0, 0, 0})->width, 0U);
+  EXPECT_EQ(keptCloud(sensor_msgs::PointCloud2(), {})->width, 0U);
+}
+
+// Two padded rows of x (a double), y, z and a byte.
+TEST(KeptCloud, OrganisedPointsLoseTheirPositionAlone) {
+  sensor_msgs::PointCloud2 cloud = organisedCloud();
+  cloud.is_dense = 1;
+  test::expectRefusal([&] { keptCloud(cloud, {1, 1, 1, 1, 0, 1}); }, {"field z", "organised"});
+  cloud.fields[2].name = "z";
+  test::expectRefusal([&] { keptCloud(cloud, {1, 1, 1, 1, 0, 1}); }, {"field z", "no float"});
+  cloud.fields[0].datatype = sensor_msgs::PointField::FLOAT64;
+  cloud.fields[1].offset = 8;
+  cloud.fields[2].offset = 12;
+  cloud.fields[2].datatype = sensor_msgs::PointField::FLOAT32;
+  cloud.point_step = 17;
+  cloud.row_step = 56;
+  cloud.data.assign(112, 7);
+  const auto kept = keptCloud(cloud, {1, 1, 1, 1, 0, 1});
+  EXPECT_EQ(kept->is_dense, 0);
+  EXPECT_EQ(kept->width, 3U);
+  EXPECT_EQ(kept->height, 2U);
+  for (const char* name : {"x", "y", "z"}) EXPECT_TRUE(std::isnan(valueOf(*kept, name, 4))) << name;
+  std::fill_n(kept->data.begin() + 56 + 17, 16, 7);
+  EXPECT_EQ(kept->data, cloud.data) << "all else is untouched";
+  EXPECT_EQ(keptCloud(cloud, {1, 1, 1, 1, 1, 1})->is_dense, 1);
+}
+
 /// What a subscriber gets of a message that a publisher of this type and md5sum sends.
 RadarMessage receive(const ros::SerializedMessage& sent, const std::string& type, const std::string& md5sum,
                      std::size_t cut = 0) {
@@ -243,27 +283,10 @@ TEST(RadarMessage, PlacesTheReturnsOfARadarScan) {
   EXPECT_EQ(receive(radar_msgs::RadarScan()).cloud->width, 0U);
 }
 
-// As defined by ROS: of a definition without comments, in which messages are replaced by their own sums.
 TEST(RadarMessage, TheSumOfRadarScanIsThatOfItsDefinition) {
-  const auto md5 = [](const std::string& text) {
-    boost::uuids::detail::md5 hash;
-    hash.process_bytes(text.data(), text.size());
-    boost::uuids::detail::md5::digest_type digest;
-    hash.get_digest(digest);
-    std::string hex;
-    for (const unsigned word : digest) {
-      char digits[9];
-      std::snprintf(digits, sizeof digits, "%08x", word);
-      hex += digits;
-    }
-    return hex;
-  };
-  ASSERT_EQ(md5("uint32 seq\ntime stamp\nstring frame_id"), ros::message_traits::md5sum<std_msgs::Header>());
-  const std::string radar_return =
-      md5("float32 range\nfloat32 azimuth\nfloat32 elevation\nfloat32 doppler_velocity\nfloat32 amplitude");
-  const std::string header = ros::message_traits::md5sum<std_msgs::Header>();
-  EXPECT_EQ(ros::message_traits::md5sum<radar_msgs::RadarScan>(),
-            md5(header + " header\n" + radar_return + " returns"));
+  EXPECT_EQ(test::sumOfDefinition<std_msgs::Header>(), ros::message_traits::md5sum<std_msgs::Header>());
+  EXPECT_EQ(test::sumOfDefinition<radar_msgs::RadarScan>(),
+            ros::message_traits::md5sum<radar_msgs::RadarScan>());
 }
 
 TEST(RadarMessage, NamesATypeThatIsNotTaken) {

@@ -55,6 +55,14 @@ TEST(PointsOf, LeavesOutPointsThatAreNotFinite) {
   EXPECT_EQ(points[0].position, Eigen::Vector3f(7.F, 8.F, 9.F));
 }
 
+TEST(PositionsOf, HasAPlaceForEveryPoint) {
+  const std::vector<Eigen::Vector3f> positions =
+      positionsOf(floatCloud({"x", "y", "z"}, {kNaN, 2.F, 3.F, 7.F, 8.F, 9.F}));
+  ASSERT_EQ(positions.size(), 2U);
+  EXPECT_TRUE(std::isnan(positions[0].x()));
+  EXPECT_EQ(positions[1], Eigen::Vector3f(7.F, 8.F, 9.F));
+}
+
 TEST(PointsOf, ReadsOtherTypesAndPaddedRows) {
   sensor_msgs::PointCloud2 cloud = floatCloud({"x", "y", "z"}, {0.F, 0.F, 0.F});
   cloud.fields[0].datatype = PointField::FLOAT64;

@@ -5,11 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <map>
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "live_camera.h"
 #include "live_graph.h"
@@ -258,6 +262,171 @@ TEST_F(ImageInputs, PicturesAreDrawnWhileTheyHaveSubscribers) {
   camera_.set([](Frame& frame) { frame.depth.header.stamp += ros::Duration(0.001); });
   EXPECT_TRUE(diagnostics_.says("overlay: overlay", DiagnosticStatus::WARN, "/topic_depth/depth"));
   EXPECT_TRUE(panels.grows());
+}
+
+/// What moves: rows 60 to 119, columns 120 to 199.
+const cv::Rect kMoving(120, 60, 80, 60);
+
+Image movingMask(const ros::Time& stamp) {
+  cv::Mat mask = cv::Mat::zeros(180, 320, CV_8UC1);
+  mask(kMoving).setTo(255);
+  return imageOf(stamp, "mono8", mask);
+}
+
+/// What is kept: all but the moving pixels, and those up to `dilation` px from them.
+cv::Mat expectedKeep(double dilation) {
+  cv::Mat keep(180, 320, CV_8UC1);
+  for (int row = 0; row < keep.rows; ++row) {
+    for (int column = 0; column < keep.cols; ++column) {
+      const int down = std::max({60 - row, row - 119, 0}), right = std::max({120 - column, column - 199, 0});
+      keep.at<std::uint8_t>(row, column) = std::hypot(down, right) <= dilation ? 0 : 255;
+    }
+  }
+  return keep;
+}
+
+bool same(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF) == 0.0; }
+
+/// The images since the first output, each with the output of its stamp; those that are still waited for are
+/// left out. One that is missing is a failure.
+std::vector<std::pair<boost::shared_ptr<const Image>, boost::shared_ptr<const Image>>> outputsOf(
+    const Recorder<Image>& images, const Recorder<Image>& outputs) {
+  const auto made = outputs.messages();
+  std::vector<std::pair<boost::shared_ptr<const Image>, boost::shared_ptr<const Image>>> pairs;
+  if (made.empty()) return pairs;
+  for (const auto& image : images.messages()) {
+    const ros::Time& stamp = image->header.stamp;
+    if (stamp < made.front()->header.stamp || stamp > made.back()->header.stamp) continue;
+    const auto output = std::find_if(made.begin(), made.end(),
+                                     [&](const auto& candidate) { return candidate->header.stamp == stamp; });
+    if (output == made.end()) {
+      ADD_FAILURE() << "nothing for the image at " << stamp;
+    } else {
+      EXPECT_EQ((*output)->header.frame_id, image->header.frame_id);
+      pairs.emplace_back(image, *output);
+    }
+  }
+  return pairs;
+}
+
+TEST_F(ImageInputs, EveryImageHasAMaskOfWhatIsKept) {
+  EXPECT_TRUE(diagnostics_.says("static_world: static world", DiagnosticStatus::OK, "idle: no subscribers"));
+  camera_.set([](Frame& frame) { frame.mask = movingMask(frame.image.header.stamp); });
+  const Recorder<Image> images(handle_, "image");
+  const Recorder<Image> masks(handle_, "static/mask");
+  ASSERT_TRUE(masks.grows(12));
+  EXPECT_EQ(diagnostics_.latest("static_world: input depth/input").message, "not subscribed (unused)");
+  EXPECT_EQ(diagnostics_.latest("static_world: input points").message, "not subscribed (unused)");
+  std::size_t dilated = 0;
+  for (const auto& [image, mask] : outputsOf(images, masks)) {
+    EXPECT_EQ(mask->encoding, "mono8");
+    if (same(matOf(*mask, CV_8UC1), expectedKeep(3.0))) ++dilated;
+  }
+  EXPECT_GE(dilated, 9U) << "the mask may not be there with the first ones";
+  EXPECT_TRUE(
+      diagnostics_.says("static_world: static world", DiagnosticStatus::OK, " 0 of them by a mask of"));
+}
+
+// A mask of 0.1 s before or after is dilated by 5 px more; farther ones than 0.25 s are not used.
+TEST_F(ImageInputs, AnImageWithoutAMaskHasTheNearestOneOrKeepsAll) {
+  static std::atomic<int> count{0};
+  static std::atomic<bool> none{false};
+  camera_.set([](Frame& frame) {
+    frame.mask = movingMask(frame.image.header.stamp);
+    if (none || ++count % 2 == 0) frame.mask.header.stamp = ros::Time();  // is refused
+  });
+  const Recorder<Image> images(handle_, "image");
+  const Recorder<Image> masks(handle_, "static/mask");
+  ASSERT_TRUE(masks.grows(16));
+  std::size_t own = 0, other = 0;
+  for (const auto& [image, mask] : outputsOf(images, masks)) {
+    const int moving = 180 * 320 - cv::countNonZero(matOf(*mask, CV_8UC1));
+    const auto movingWithin = [](double dilation) {
+      return 180 * 320 - cv::countNonZero(expectedKeep(dilation));
+    };
+    if (moving == movingWithin(3.0)) ++own;
+    // The images are 0.1 s apart, more or less.
+    if (moving > movingWithin(6.0) && moving < movingWithin(12.0)) ++other;
+  }
+  EXPECT_GE(own, 5U);
+  EXPECT_GE(other, 5U);
+  none = true;
+  EXPECT_TRUE(diagnostics_.says("static_world: static world", DiagnosticStatus::WARN,
+                                "everything is kept: no mask on '/test/mask' within mask_max_age"));
+  ASSERT_TRUE(masks.grows(5));
+  EXPECT_EQ(cv::countNonZero(matOf(*masks.latest(), CV_8UC1)), 180 * 320);
+  EXPECT_FALSE(outputsOf(images, masks).empty()) << "and no image was left out";
+}
+
+TEST_F(ImageInputs, DepthHasHolesWhereSomethingMoves) {
+  camera_.set([](Frame& frame) { frame.mask = movingMask(frame.image.header.stamp); });
+  const Recorder<Image> depths(handle_, "depth/static");
+  ASSERT_TRUE(depths.grows(5));
+  EXPECT_EQ(depths.latest()->encoding, "16UC1");
+  cv::Mat expected(180, 320, CV_16UC1, cv::Scalar(7500));
+  expected.setTo(0, expectedKeep(3.0) == 0);
+  EXPECT_TRUE(same(matOf(*depths.latest(), CV_16UC1), expected));
+  expectReported([](Frame& frame) { frame.depth.encoding = "bgr8"; }, "static_world: input depth/input",
+                 "bgr8");
+  expectReported(
+      [](Frame& frame) {
+        frame.mask = imageOf(frame.mask.header.stamp, "mono8", cv::Mat::zeros(90, 90, CV_8UC1));
+      },
+      "static_world: static world", "90 x 90 px does not have the shape of 320 x 180 px");
+  expectReported(
+      [](Frame& frame) {
+        frame.mask = imageOf(frame.mask.header.stamp, "bgr8", cv::Mat::zeros(180, 320, CV_8UC3));
+      },
+      "static_world: input dynamic/mask", "not mono8");
+}
+
+TEST_F(ImageInputs, ImagesWithoutWhatMovesAreTheOriginalsElsewhere) {
+  camera_.set([](Frame& frame) {
+    frame.mask = movingMask(frame.image.header.stamp);
+    frame.image = imageOf(frame.image.header.stamp, "mono8", cv::Mat(180, 320, CV_8UC1, cv::Scalar(90)));
+    cv::Mat(180, 320, CV_8UC1, frame.image.data.data())(kMoving).setTo(200);
+  });
+  const Recorder<Image> images(handle_, "image/static");
+  ASSERT_TRUE(images.grows(5));
+  EXPECT_TRUE(waitUntil(
+      [&] { return same(matOf(*images.latest(), CV_8UC1), cv::Mat(180, 320, CV_8UC1, cv::Scalar(90))); }));
+  EXPECT_EQ(images.latest()->encoding, "mono8");
+}
+
+// The cloud was scanned 0.06 s before the image of the nearest mask: 0.48 m farther back, and turned by 0.006
+// rad. At the time of the image the points 12 m ahead are 9.82 m before the camera; the one 2.2 m to the
+// right is 48 px to the right of the middle then, 2 px beyond what moves with its 6 px of dilation. Unmoved
+// it would be within.
+TEST_F(ImageInputs, PointsOnWhatMovesAreLeftOut) {
+  constexpr float kAhead = LiveCamera::kReturnAhead;
+  const std::vector<Eigen::Vector3f> points = {{kAhead, 0.F, 1.5F},   {kAhead, 3.F, 1.5F},
+                                               {-kAhead, 0.F, 1.5F},  {kAhead, 0.1F, 1.4F},
+                                               {kAhead, -2.2F, 1.5F}, {kAhead, -2.F, 1.5F}};
+  ros::Publisher clouds = handle_.advertise<sensor_msgs::PointCloud2>("test/points", 10);
+  static std::atomic<int> count{0};
+  camera_.set([clouds, points](Frame& frame) {
+    const ros::Time stamp = frame.image.header.stamp;
+    frame.mask = movingMask(stamp);
+    if (++count % 2 == 0) {
+      clouds.publish(cloudOf(stamp - ros::Duration(0.06), "base_link", points));
+    } else {
+      frame.mask.header.stamp = ros::Time();  // is refused
+    }
+  });
+  const Recorder<sensor_msgs::PointCloud2> kept(handle_, "points/static");
+  ASSERT_TRUE(kept.grows(5));
+  EXPECT_TRUE(waitUntil([&] { return kept.latest()->width == 3U; }));
+  const sensor_msgs::PointCloud2 expected =
+      cloudOf(kept.latest()->header.stamp, "base_link", {points[1], points[2], points[4]});
+  EXPECT_EQ(kept.latest()->data, expected.data);
+  EXPECT_EQ(kept.latest()->header.frame_id, "base_link");
+  EXPECT_EQ(kept.latest()->fields, expected.fields);
+  expectReported(
+      [clouds, points](Frame& frame) {
+        frame.mask = movingMask(frame.image.header.stamp);
+        clouds.publish(cloudOf(frame.image.header.stamp, "no_such_frame", points));
+      },
+      "static_world: input points", "no_such_frame");
 }
 
 }  // namespace

@@ -257,6 +257,25 @@ TEST(DepthOf, RefusesOtherEncodingsAndSizes) {
   }
 }
 
+// All else stays byte for byte, the padding too.
+TEST(KeptDepth, IsUnknownWhereNothingIsKept) {
+  cv::Mat keep(3, 4, CV_8UC1, cv::Scalar(255));
+  keep.at<std::uint8_t>(1, 2) = 0;
+  const auto millimetres = imageOf("16UC1", 2), metres = imageOf("32FC1", 4);
+  const auto holed = keptDepth(*millimetres, keep), torn = keptDepth(*metres, keep);
+  setPixel(*millimetres, 1, 2, std::uint16_t{0});
+  EXPECT_EQ(holed->data, millimetres->data);
+  EXPECT_EQ(holed->header.stamp, millimetres->header.stamp);
+  EXPECT_EQ(holed->encoding, "16UC1");
+  float hole = 0.0F;
+  std::memcpy(&hole, &torn->data[torn->step + 8], sizeof hole);
+  EXPECT_TRUE(std::isnan(hole));
+  setPixel(*metres, 1, 2, hole);
+  EXPECT_EQ(torn->data, metres->data);
+  EXPECT_EQ(torn->encoding, "32FC1");
+  expectRefusal([&] { keptDepth(*imageOf("bgr8", 3), keep); }, {"depth", "bgr8", "16UC1"});
+}
+
 TEST(FlowMessage, RoundTripWithoutValid) {
   std_msgs::Header header;
   header.frame_id = "camera";

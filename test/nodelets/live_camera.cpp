@@ -51,6 +51,7 @@ void LiveCamera::publish() {
   frame.image = VisionWorld::image(stamp, std::fmod(kShift * count_++, kWrap));
   frame.compressed = compress(frame.image);
   frame.depth = imageOf(stamp, "16UC1", cv::Mat(180, 320, CV_16UC1, cv::Scalar(7500)));
+  frame.mask = imageOf(stamp, "mono8", cv::Mat::zeros(180, 320, CV_8UC1));
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (fault_) fault_(frame);
@@ -65,7 +66,7 @@ void LiveCamera::publish() {
   image_.publish(frame.image);
   compressed_.publish(frame.compressed);
   depth_.publish(frame.depth);
-  mask_.publish(imageOf(stamp, "mono8", cv::Mat::zeros(180, 320, CV_8UC1)));
+  mask_.publish(frame.mask);
   valid_.publish(imageOf(stamp, "mono8", cv::Mat(180, 320, CV_8UC1, cv::Scalar(255))));
   expected_.publish(imageOf(stamp, "32FC2", cv::Mat::zeros(90, 160, CV_32FC2)));
 }

@@ -26,6 +26,7 @@ class LiveCamera {
     sensor_msgs::Image image;
     sensor_msgs::CompressedImage compressed;
     sensor_msgs::Image depth;
+    sensor_msgs::Image mask;
   };
   using Fault = std::function<void(Frame&)>;
 

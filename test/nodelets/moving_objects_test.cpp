@@ -16,6 +16,7 @@
 
 #include "live_graph.h"
 #include "live_mask.h"
+#include "nodelets/messages/object_arrays.h"
 #include "object_scene.h"
 #include "radar_dot/MovingObjects.h"
 #include "vision_world.h"
@@ -177,6 +178,51 @@ TEST_F(MovingObjectsTest, ACrossingCarHasItsPositionAndVelocityAndOneId) {
   EXPECT_EQ(namespacesOf(Marker::DELETE, marker_id), all);
   EXPECT_TRUE(
       waitUntil([this] { return diagnostics_.seen("moving_objects: objects", DiagnosticStatus::OK); }));
+}
+
+// In the frames that their users expect: planners do not turn velocities.
+TEST_F(MovingObjectsTest, OthersGetTheCarInTheirOwnMessages) {
+  using derived_object_msgs::ObjectWithCovarianceArray;
+  const Recorder<ObjectWithCovarianceArray> arrays(*handle_, "in_base/objects_with_covariance");
+  const Recorder<costmap_converter::ObstacleArrayMsg> obstacles(*handle_, "in_base/obstacles");
+  ASSERT_TRUE(waitUntil([&] { return arrays.connected() && obstacles.connected(); }));
+  addCar();
+  drive(2.5);
+  ASSERT_TRUE(arrays.count() > 13 && obstacles.count() > 13) << "one for each sweep";
+  const auto array = arrays.latest();
+  double seconds = secondsOf(array->header.stamp);
+  EXPECT_EQ(array->header.frame_id, "base_link");
+  ASSERT_EQ(array->objects.size(), 1U);
+  const auto& object = array->objects[0];
+  const Eigen::Vector2d velocity(object.twist.twist.linear.x, object.twist.twist.linear.y);
+  EXPECT_LT((Eigen::Vector2d(object.pose.pose.position.x, object.pose.pose.position.y) -
+             scene_->carPosition(seconds))
+                .norm(),
+            1.0);
+  EXPECT_LT((velocity - scene_->carVelocity(seconds)).norm(), 0.5);
+  EXPECT_EQ(object.id, latestObjects().at(0).id);
+
+  MovingObjects frame;  // of the obstacles
+  frame.header = obstacles.latest()->header;
+  EXPECT_EQ(frame.header.frame_id, "odom");
+  seconds = secondsOf(frame.header.stamp);
+  ASSERT_EQ(obstacles.latest()->obstacles.size(), 1U);
+  const auto& obstacle = obstacles.latest()->obstacles[0];
+  const auto& centre = obstacle.polygon.points.at(0);
+  const auto& linear = obstacle.velocities.twist.linear;
+  const Eigen::Isometry3d T_base_from_odom = poseIn(frame).inverse();
+  EXPECT_LT(
+      ((T_base_from_odom * Eigen::Vector3d(centre.x, centre.y, 0.0)).head<2>() - scene_->carPosition(seconds))
+          .norm(),
+      1.0);
+  EXPECT_LT(((T_base_from_odom.linear() * Eigen::Vector3d(linear.x, linear.y, 0.0)).head<2>() -
+             scene_->carVelocity(seconds))
+                .norm(),
+            0.5);
+  scene_->car.reset();
+  drive(1.5);
+  EXPECT_TRUE(arrays.latest()->objects.empty());
+  EXPECT_TRUE(obstacles.latest()->obstacles.empty()) << "an old one must not stay";
 }
 
 TEST_F(MovingObjectsTest, WhatStandsIsNoObject) {

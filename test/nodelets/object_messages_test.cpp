@@ -10,6 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "fixtures/definition_sum.h"
+
 namespace radar_dot {
 namespace {
 
@@ -124,6 +126,88 @@ TEST(PlanarPose, KeepsPositionAndHeadingOfATiltedPose) {
   const Eigen::Isometry2d planar = planarPose(pose);
   EXPECT_NEAR(Eigen::Rotation2Dd(planar.linear()).angle(), 0.7, 1e-12);
   EXPECT_EQ(planar.translation(), Eigen::Vector2d(1.0, 2.0));
+}
+
+template <typename Message>
+void expectSoundDefinition() {
+  EXPECT_EQ(test::sumOfDefinition<Message>(), ros::message_traits::md5sum<Message>());
+}
+
+// The sums are those of the released packages.
+TEST(ForeignObjects, SumsAreThoseOfTheDefinitions) {
+  expectSoundDefinition<geometry_msgs::TwistWithCovariance>();
+  expectSoundDefinition<derived_object_msgs::ObjectWithCovarianceArray>();
+  expectSoundDefinition<costmap_converter::ObstacleArrayMsg>();
+}
+
+/// At (10, -2, 0.5) with (3, -4) m/s; of the covariance of the velocity (1, 0.5; 0.5, 2) the part across it
+/// is (4, 3)/5, which makes (16 + 12 + 18)/25 = 1.84.
+MovingObjects oneObject() {
+  MovingObjects objects = objectsOf({5'000'000'007});
+  objects.objects[0].position_covariance = {4.0, 1.0, 1.0, 9.0};
+  objects.objects[0].velocity_covariance = {1.0, 0.5, 0.5, 2.0};
+  return objects;
+}
+
+void expectCovariance(const boost::array<double, 36>& covariance, const std::array<double, 4>& planar,
+                      double last) {
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t k = 0; k < 6; ++k) {
+      const double expected = i < 2 && k < 2 ? planar[2 * i + k] : i != k ? 0.0 : i == 5 ? last : 1e6;
+      EXPECT_NEAR(covariance[6 * i + k], expected, 1e-12) << i << ' ' << k;
+    }
+  }
+}
+
+TEST(ForeignObjects, WithCovarianceHaveTheStateAndSayWhatIsNotKnown) {
+  const auto array = objectsWithCovariance(oneObject());
+  EXPECT_EQ(array.header.frame_id, "odom");
+  ASSERT_EQ(array.objects.size(), 1U);
+  const auto& object = array.objects[0];
+  EXPECT_EQ(object.header.frame_id, "odom");
+  EXPECT_EQ(object.header.stamp, ros::Time(kTime));
+  EXPECT_EQ(object.id, 5'000'000'007U % 4'294'967'296U);
+  EXPECT_EQ(object.detection_level, 1) << "tracked";
+  EXPECT_EQ(object.object_classified, 0);
+  EXPECT_EQ(object.classification, 0);
+  EXPECT_EQ(object.pose.pose.position.x, 10.0);
+  EXPECT_EQ(object.pose.pose.position.y, -2.0);
+  EXPECT_EQ(object.pose.pose.position.z, 0.5);
+  // Half of the angle of (3, -4): the bisector of that and (1, 0) is (2, -1).
+  EXPECT_NEAR(object.pose.pose.orientation.w, 2.0 / std::sqrt(5.0), 1e-12);
+  EXPECT_NEAR(object.pose.pose.orientation.z, -1.0 / std::sqrt(5.0), 1e-12);
+  expectCovariance(object.pose.covariance, {4.0, 1.0, 1.0, 9.0}, 1.84 / 25.0);
+  EXPECT_EQ(object.twist.twist.linear.x, 3.0);
+  EXPECT_EQ(object.twist.twist.linear.y, -4.0);
+  expectCovariance(object.twist.covariance, {1.0, 0.5, 0.5, 2.0}, 1e6);
+  expectCovariance(object.accel.covariance, {1e6, 0.0, 0.0, 1e6}, 1e6);
+  EXPECT_TRUE(object.polygon.points.empty());
+  EXPECT_EQ(object.shape.type, 3) << "a cylinder";
+  EXPECT_EQ(object.shape.dimensions.size(), 2U);
+}
+
+TEST(ForeignObjects, AHeadingIsAtMostUnknown) {
+  MovingObjects objects = oneObject();
+  objects.objects[0].velocity.x = objects.objects[0].velocity.y = 0.0;
+  EXPECT_NEAR(objectsWithCovariance(objects).objects[0].pose.covariance[35], M_PI * M_PI / 3.0, 1e-12);
+}
+
+TEST(ForeignObjects, ObstaclesAreDiscsThatMove) {
+  const auto array = obstaclesOf(oneObject());
+  EXPECT_EQ(array.header.stamp, ros::Time(kTime));
+  ASSERT_EQ(array.obstacles.size(), 1U);
+  const auto& obstacle = array.obstacles[0];
+  EXPECT_EQ(obstacle.header.frame_id, "odom");
+  EXPECT_EQ(obstacle.id, 5'000'000'007);
+  ASSERT_EQ(obstacle.polygon.points.size(), 1U);
+  EXPECT_EQ(obstacle.polygon.points[0].x, 10.F);
+  EXPECT_EQ(obstacle.polygon.points[0].y, -2.F);
+  EXPECT_EQ(obstacle.radius, 1.0) << "that of the markers";
+  EXPECT_EQ(obstacle.velocities.twist.linear.x, 3.0);
+  EXPECT_EQ(obstacle.velocities.twist.linear.y, -4.0);
+  expectCovariance(obstacle.velocities.covariance, {1.0, 0.5, 0.5, 2.0}, 1e6);
+  EXPECT_NEAR(obstacle.orientation.w, 2.0 / std::sqrt(5.0), 1e-12);
+  EXPECT_TRUE(obstaclesOf(objectsOf({})).obstacles.empty());
 }
 
 TEST(ObjectMarkers, EachObjectHasABodyAnArrowOfOneSecondAndALabel) {

@@ -154,9 +154,11 @@ class ParametersTest(unittest.TestCase):
                    self.load("Depth", "depth"),
                    self.load("DynamicSegmentation", "dynamic_segmentation"),
                    self.load("MovingObjects", "moving_objects"),
-                   self.load("Overlay", "overlay")]
+                   self.load("Overlay", "overlay"),
+                   self.load("StaticWorld", "static_world")]
         # With subscribers the nodelets have inputs to connect and to leave.
-        subscribers = [rospy.Subscriber(topic, Image) for topic in ("dynamic/mask", "depth", "overlay/six_panel")]
+        topics = ("dynamic/mask", "depth", "overlay/six_panel", "static/mask")
+        subscribers = [rospy.Subscriber(topic, Image) for topic in topics]
         for client in clients:
             self.assertGreater(self.change_each(client), 3, client.name)
         for subscriber in subscribers:

@@ -38,6 +38,18 @@ TEST(StampCache, FindsByTheExactStamp) {
   EXPECT_EQ(cache.find(ros::Time()), nullptr);
 }
 
+TEST(StampCache, KnowsTheNearest) {
+  Cache cache;
+  EXPECT_EQ(cache.nearest(ros::Time(1, 0)), nullptr);
+  const Cache::Pointer first = messageAt(ros::Time(1, 0)), second = messageAt(ros::Time(2, 0));
+  cache.add(first);
+  cache.add(second);
+  EXPECT_EQ(cache.nearest(ros::Time(0, 1)), first);
+  EXPECT_EQ(cache.nearest(ros::Time(1, 400'000'000)), first);
+  EXPECT_EQ(cache.nearest(ros::Time(1, 600'000'000)), second);
+  EXPECT_EQ(cache.nearest(ros::Time(4'000'000'000U, 0)), second) << "differences of ros::Time would throw";
+}
+
 TEST(StampCache, KeepsTheLatestOfItsSpan) {
   Cache cache(2.5);
   for (std::uint32_t i = 1; i <= 4; ++i) cache.add(messageAt(ros::Time(i, 0)));

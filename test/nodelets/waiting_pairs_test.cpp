@@ -118,6 +118,17 @@ TEST_F(WaitingPairsTest, AFullQueueGivesUpItsFirst) {
   EXPECT_EQ(pairs_.size(), 4U);
 }
 
+TEST(WaitingQueue, MayBeLonger) {
+  WaitingQueue<int> queue(6);
+  const auto lackOf = [](int, double) { return WaitingQueue<int>::Lack{"everything"}; };
+  for (int i = 0; i < 6; ++i) queue.add(i, {});
+  EXPECT_FALSE(queue.take(kTimeout, {}, lackOf));
+  queue.add(6, {});
+  const auto taken = queue.take(kTimeout, {}, lackOf);
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->item, 0);
+}
+
 // Also where flow runs backward. A later pair may begin at the same image.
 TEST_F(WaitingPairsTest, DepthsThatNobodyCanNeedAnyMoreAreDropped) {
   needs_.depth_std = true;

@@ -252,6 +252,17 @@ struct OverlayConfig {
   void describe(FieldList& fields);
 };
 
+/// Nodelet StaticWorld, section static_world.
+struct StaticWorldConfig {
+  StreamParams stream;
+  double dilation = 10.0;
+  double dilation_rate = 200.0;
+  double mask_max_age = 0.5;
+  double mask_wait = 1.0;
+
+  void describe(FieldList& fields);
+};
+
 /// All nodelets: a whole configuration file.
 struct Configuration {
   EgoVelocityConfig ego_velocity;
@@ -261,6 +272,7 @@ struct Configuration {
   DynamicSegmentationConfig dynamic_segmentation;
   MovingObjectsConfig moving_objects;
   OverlayConfig overlay;
+  StaticWorldConfig static_world;
 };
 
 /// The sections of a configuration, which must outlive them, in the order of the data flow.

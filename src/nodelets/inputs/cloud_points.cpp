@@ -21,11 +21,11 @@ const PointField* readableField(const std::vector<PointField>& fields, const Poi
   return field;
 }
 
-}  // namespace
+float read(const std::uint8_t* data, const PointField& field) {
+  return static_cast<float>(readScalar(data + field.offset, field.type));
+}
 
-std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
-  std::vector<PointField> fields;
-  const PointCloudView view = viewOf(cloud, fields);
+std::vector<Eigen::Vector3f> positionsOf(const std::vector<PointField>& fields, const PointCloudView& view) {
   std::array<const PointField*, 3> axes{};
   constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -34,20 +34,35 @@ std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
       throw std::invalid_argument("its fields are " + fieldNames(fields) + "; x, y and z are needed");
     }
   }
+  std::vector<Eigen::Vector3f> positions(view.size());
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    const std::uint8_t* data = view.point(i);
+    positions[i] = {read(data, *axes[0]), read(data, *axes[1]), read(data, *axes[2])};
+  }
+  return positions;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3f> positionsOf(const sensor_msgs::PointCloud2& cloud) {
+  std::vector<PointField> fields;
+  const PointCloudView view = viewOf(cloud, fields);
+  return positionsOf(fields, view);
+}
+
+std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
+  std::vector<PointField> fields;
+  const PointCloudView view = viewOf(cloud, fields);
+  const std::vector<Eigen::Vector3f> positions = positionsOf(fields, view);
   // Where a cloud had a residual of its own before, ours has another name.
   const PointField* residual = readableField(fields, view, "ego_residual");
   if (residual == nullptr) residual = readableField(fields, view, "residual");
-  const auto read = [](const std::uint8_t* data, const PointField& field) {
-    return static_cast<float>(readScalar(data + field.offset, field.type));
-  };
   std::vector<CloudPoint> points;
   points.reserve(view.size());
   for (std::size_t i = 0; i < view.size(); ++i) {
-    const std::uint8_t* data = view.point(i);
     CloudPoint point;
-    for (std::size_t k = 0; k < axes.size(); ++k)
-      point.position[static_cast<Eigen::Index>(k)] = read(data, *axes[k]);
-    if (residual != nullptr) point.residual = read(data, *residual);
+    point.position = positions[i];
+    if (residual != nullptr) point.residual = read(view.point(i), *residual);
     if (point.position.allFinite()) points.push_back(point);
   }
   return points;

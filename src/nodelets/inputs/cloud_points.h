@@ -16,6 +16,9 @@
 
 namespace radar_dot {
 
+/// The positions of all points of a cloud, finite or not, in its own frame. @throws as pointsOf()
+std::vector<Eigen::Vector3f> positionsOf(const sensor_msgs::PointCloud2& cloud);
+
 /// The finite points of a cloud, in its own frame, with the residual that radar/static and radar/dynamic have
 /// (`ego_residual` or `residual`). @throws std::invalid_argument for sizes that contradict
 /// each other, or a cloud without x, y and z.

@@ -4,7 +4,9 @@
 
 #include <ros/time.h>
 
+#include <algorithm>
 #include <boost/shared_ptr.hpp>
+#include <cmath>
 #include <cstddef>
 #include <deque>
 #include <utility>
@@ -30,6 +32,16 @@ class StampCache {
     for (auto message = messages_.rbegin(); message != messages_.rend(); ++message)
       if ((*message)->header.stamp == stamp) return *message;
     return {};
+  }
+  /// The nearest in time; null when there is none at all.
+  Pointer nearest(const ros::Time& stamp) const {
+    const auto apart = [&stamp](const Pointer& message) {
+      return std::abs(message->header.stamp.toSec() - stamp.toSec());
+    };
+    const auto found =
+        std::min_element(messages_.begin(), messages_.end(),
+                         [&](const Pointer& a, const Pointer& b) { return apart(a) < apart(b); });
+    return found == messages_.end() ? Pointer() : *found;
   }
   /// True where a later message was added: one with this stamp will not come any more on an ordered topic.
   bool isPast(const ros::Time& stamp) const {

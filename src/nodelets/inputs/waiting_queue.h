@@ -18,6 +18,8 @@ template <typename Item>
 class WaitingQueue {
  public:
   static constexpr std::size_t kMaxWaiting = 4;  // at 12 Hz a third of a second
+  /// @param max_waiting  items; where there are more the first has waited in vain
+  explicit WaitingQueue(std::size_t max_waiting = kMaxWaiting) : max_waiting_(max_waiting) {}
 
   /// What an item lacks; nothing: it is complete.
   struct Lack {
@@ -40,7 +42,7 @@ class WaitingQueue {
   std::optional<Taken> take(double timeout, const Moment& now, const LackOf& lackOf) {
     if (waiting_.empty()) return std::nullopt;
     Waiting& front = waiting_.front();
-    const bool is_over = !front.arrival.waits(timeout, now) || waiting_.size() > kMaxWaiting;
+    const bool is_over = !front.arrival.waits(timeout, now) || waiting_.size() > max_waiting_;
     const double waited = is_over ? std::numeric_limits<double>::infinity() : now.ros - front.arrival.ros;
     Lack lack = lackOf(front.item, waited);
     if (!lack.missing.empty() && !lack.forever && !is_over) return std::nullopt;
@@ -54,6 +56,7 @@ class WaitingQueue {
     Item item;
     Moment arrival;
   };
+  std::size_t max_waiting_;
   std::deque<Waiting> waiting_;
 };
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 
 namespace radar_dot {
@@ -146,6 +147,43 @@ sensor_msgs::PointCloud2 labelledCloud(const sensor_msgs::PointCloud2& cloud, co
     std::memcpy(out + cloud.point_step, &returns[i].doppler, sizeof(float));
     std::memcpy(out + cloud.point_step + sizeof(float), &residuals[i], sizeof(float));
     out += result.point_step;
+  }
+  return result;
+}
+
+sensor_msgs::PointCloud2Ptr keptCloud(const sensor_msgs::PointCloud2& cloud,
+                                      const std::vector<std::uint8_t>& keep) {
+  std::vector<PointField> fields;
+  const PointCloudView view = viewOf(cloud, fields);
+  auto result = boost::make_shared<sensor_msgs::PointCloud2>(cloud);
+  if (view.size() == 0) return result;
+  const auto place = [&](std::size_t i) { return result->data.data() + (view.point(i) - view.data); };
+  if (cloud.height == 1) {
+    std::uint8_t* out = result->data.data();
+    for (std::size_t i = 0; i < view.size(); ++i) {
+      if (keep[i] == 0) continue;
+      std::memcpy(out, view.point(i), cloud.point_step);
+      out += cloud.point_step;
+    }
+    result->data.resize(static_cast<std::size_t>(out - result->data.data()));
+    result->width = static_cast<std::uint32_t>(result->data.size() / cloud.point_step);
+    result->row_step = static_cast<std::uint32_t>(result->data.size());
+    return result;
+  }
+  for (const char* name : {"x", "y", "z"}) {
+    const PointField* field = findField(fields, name);
+    const bool is_double = field != nullptr && field->type == ScalarType::kFloat64;
+    if (field == nullptr || (field->type != ScalarType::kFloat32 && !is_double))
+      throw std::invalid_argument(std::string("its field ") + name +
+                                  " is no float: an organised cloud needs it");
+    for (std::size_t i = 0; i < view.size(); ++i) {
+      if (keep[i] != 0) continue;
+      const double wide = std::numeric_limits<double>::quiet_NaN();
+      const float narrow = std::numeric_limits<float>::quiet_NaN();
+      std::memcpy(place(i) + field->offset, is_double ? static_cast<const void*>(&wide) : &narrow,
+                  scalarSize(field->type));
+      result->is_dense = 0;
+    }
   }
   return result;
 }

@@ -4,6 +4,7 @@
 
 #include <sensor_msgs/PointCloud2.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -36,5 +37,12 @@ sensor_msgs::PointCloud2ConstPtr withPositions(const sensor_msgs::PointCloud2Con
 sensor_msgs::PointCloud2 labelledCloud(const sensor_msgs::PointCloud2& cloud, const PointCloudView& view,
                                        Span<const DopplerReturn> returns, const float* residuals,
                                        const ReturnLabel* labels, ReturnLabel wanted);
+
+/// The points of a cloud that are kept, every field bit for bit. One row becomes shorter; in an organised
+/// cloud (several rows) the others stay in their places with x, y and z of NaN.
+/// @param keep  one for each point, in the order of the view: 0 = not kept
+/// @throws std::invalid_argument as viewOf(), and for an organised cloud whose x, y and z are no floats
+sensor_msgs::PointCloud2Ptr keptCloud(const sensor_msgs::PointCloud2& cloud,
+                                      const std::vector<std::uint8_t>& keep);
 
 }  // namespace radar_dot

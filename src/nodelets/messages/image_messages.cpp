@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
@@ -53,6 +54,17 @@ void expectEncoding(const sensor_msgs::Image& message, const std::string& encodi
 
 void expectSize(const sensor_msgs::Image& message, const std::string& what) {
   if (message.width == 0 || message.height == 0) throw std::invalid_argument(what + ": it is empty");
+}
+
+/// A depth as it is: CV_32FC1 in m or CV_16UC1 in mm.
+cv::Mat depthViewOf(const sensor_msgs::Image& message) {
+  expectSize(message, "depth");
+  if (message.encoding != encodings::TYPE_32FC1 && message.encoding != encodings::TYPE_16UC1 &&
+      message.encoding != encodings::MONO16) {
+    throw std::invalid_argument("depth: its encoding is '" + message.encoding +
+                                "', not 32FC1 (m) or 16UC1 (mm)");
+  }
+  return viewOf(message, "depth");
 }
 
 /// An image that goes with a flow, or nothing.
@@ -113,15 +125,18 @@ DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int cha
 }
 
 cv::Mat depthOf(const sensor_msgs::Image& message) {
-  expectSize(message, "depth");
-  if (message.encoding == encodings::TYPE_32FC1) return viewOf(message, "depth");
-  if (message.encoding != encodings::TYPE_16UC1 && message.encoding != encodings::MONO16) {
-    throw std::invalid_argument("depth: its encoding is '" + message.encoding +
-                                "', not 32FC1 (m) or 16UC1 (mm)");
-  }
+  const cv::Mat depth = depthViewOf(message);
+  if (depth.type() == CV_32FC1) return depth;
   cv::Mat metres;
-  viewOf(message, "depth").convertTo(metres, CV_32FC1, 1e-3);
+  depth.convertTo(metres, CV_32FC1, 1e-3);
   return metres;
+}
+
+sensor_msgs::ImagePtr keptDepth(const sensor_msgs::Image& message, const cv::Mat& keep) {
+  auto kept = boost::make_shared<sensor_msgs::Image>(message);
+  cv::Mat depth = depthViewOf(*kept);
+  depth.setTo(depth.type() == CV_32FC1 ? std::numeric_limits<double>::quiet_NaN() : 0.0, keep == 0);
+  return kept;
 }
 
 cv::Mat depthStdOf(const sensor_msgs::Image& message) {

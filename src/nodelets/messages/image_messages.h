@@ -33,6 +33,10 @@ DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int cha
 /// Depth in m, CV_32FC1: of encoding 32FC1 (m, shared with the message) or 16UC1 (mm, 0 = unknown).
 cv::Mat depthOf(const sensor_msgs::Image& message);
 
+/// The same depth, byte for byte, unknown where `keep` is 0: NaN in 32FC1, 0 in 16UC1.
+/// @param keep  CV_8UC1 of its size
+sensor_msgs::ImagePtr keptDepth(const sensor_msgs::Image& message, const cv::Mat& keep);
+
 /// Uncertainty of a depth, share of the inverse depth: CV_32FC1, of encoding 32FC1, shared with the message.
 cv::Mat depthStdOf(const sensor_msgs::Image& message);
 

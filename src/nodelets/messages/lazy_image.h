@@ -15,6 +15,11 @@ class LazyImage {
   explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed) : compressed_(std::move(compressed)) {}
 
   const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
+  /// Of raw images that of the message, whatever its pixels are.
+  cv::Size size() {
+    if (compressed_) return pixels().size();
+    return {static_cast<int>(raw_->width), static_cast<int>(raw_->height)};
+  }
   /// @throws std::invalid_argument as decodedImageOf()
   const cv::Mat& pixels() {
     if (!picture_.pixels.empty()) return picture_.pixels;

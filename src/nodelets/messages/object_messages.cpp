@@ -86,6 +86,40 @@ void addMarkers(const MovingObject& object, const Marker& common, MarkerArray& a
   array.markers.push_back(label);
 }
 
+/// Covariance of six components of which only the first two are known.
+template <typename Array>
+void store6(const boost::array<double, 4>& planar, Array& message) {
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(message.data());
+  covariance = kUnknownVariance * Eigen::Matrix<double, 6, 6>::Identity();
+  covariance.topLeftCorner<2, 2>() =
+      Eigen::Map<const Eigen::Matrix<double, 2, 2, Eigen::RowMajor>>(planar.data());
+}
+
+geometry_msgs::TwistWithCovariance twistOf(const MovingObject& object) {
+  geometry_msgs::TwistWithCovariance twist;
+  twist.twist.linear = object.velocity;
+  store6(object.velocity_covariance, twist.covariance);
+  return twist;
+}
+
+/// The direction in which an object moves.
+geometry_msgs::Quaternion headingOf(const MovingObject& object) {
+  const double yaw = std::atan2(object.velocity.y, object.velocity.x);
+  geometry_msgs::Quaternion heading;
+  heading.w = std::cos(0.5 * yaw);
+  heading.z = std::sin(0.5 * yaw);
+  return heading;
+}
+
+/// Of that direction, rad^2; at most that of any direction.
+double headingVariance(const MovingObject& object) {
+  const double vx = object.velocity.x, vy = object.velocity.y, square = vx * vx + vy * vy;
+  const auto& c = object.velocity_covariance;
+  const double across = (vy * vy * c[0] - vx * vy * (c[1] + c[2]) + vx * vx * c[3]) / square;
+  constexpr double kAny = M_PI * M_PI / 3.0;
+  return across < kAny * square ? across / square : kAny;
+}
+
 }  // namespace
 
 Eigen::Isometry2d planarPose(const Eigen::Isometry3d& pose) {
@@ -121,6 +155,45 @@ MovingObject objectMessage(const ObjectTrack& track, const ros::Time& stamp, con
   object.box_height = static_cast<std::uint32_t>(track.box.height);
   object.pixel_count = static_cast<std::uint32_t>(track.pixel_count);
   return object;
+}
+
+derived_object_msgs::ObjectWithCovarianceArray objectsWithCovariance(const MovingObjects& objects) {
+  using derived_object_msgs::ObjectWithCovariance;
+  derived_object_msgs::ObjectWithCovarianceArray array;
+  array.header = objects.header;
+  for (const MovingObject& object : objects.objects) {
+    ObjectWithCovariance& message = array.objects.emplace_back();
+    message.header = objects.header;
+    message.id = static_cast<std::uint32_t>(object.id);
+    message.detection_level = ObjectWithCovariance::kTracked;
+    message.pose.pose.position = object.position;
+    message.pose.pose.orientation = headingOf(object);
+    store6(object.position_covariance, message.pose.covariance);
+    message.pose.covariance.back() = headingVariance(object);
+    message.twist = twistOf(object);
+    store6({kUnknownVariance, 0.0, 0.0, kUnknownVariance}, message.accel.covariance);
+    message.shape.type = derived_object_msgs::SolidPrimitiveWithCovariance::kCylinder;
+    message.shape.dimensions = {kHeight, 0.5 * kDiameter};
+    message.shape.covariance = {kUnknownVariance, 0.0, 0.0, kUnknownVariance};
+  }
+  return array;
+}
+
+costmap_converter::ObstacleArrayMsg obstaclesOf(const MovingObjects& objects) {
+  costmap_converter::ObstacleArrayMsg array;
+  array.header = objects.header;
+  for (const MovingObject& object : objects.objects) {
+    costmap_converter::ObstacleMsg& message = array.obstacles.emplace_back();
+    message.header = objects.header;
+    geometry_msgs::Point32& centre = message.polygon.points.emplace_back();
+    centre.x = static_cast<float>(object.position.x);
+    centre.y = static_cast<float>(object.position.y);
+    message.radius = 0.5 * kDiameter;
+    message.id = static_cast<std::int64_t>(object.id);
+    message.orientation = headingOf(object);
+    message.velocities = twistOf(object);
+  }
+  return array;
 }
 
 MarkerArray ObjectMarkers::update(const MovingObjects& objects, double lifetime) {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <set>
 
+#include "nodelets/messages/object_arrays.h"
 #include "radar_dot/MovingObjects.h"
 #include "radar_dot/objects/object_tracker.h"
 
@@ -28,6 +29,14 @@ Eigen::Isometry2d planarPose(const Eigen::Isometry3d& pose);
 /// @param image_max_age  s before `stamp`; a box of an older image is left out
 MovingObject objectMessage(const ObjectTrack& track, const ros::Time& stamp, const FrameOfObjects& frame,
                            double image_max_age);
+
+/// The same objects for others. Their heading is the direction in which they move; the extent is nominal,
+/// that of the markers: it is not measured. What is not known (heights, rates, accelerations, extent) has the
+/// variance kUnknownVariance.
+inline constexpr double kUnknownVariance = 1e6;
+derived_object_msgs::ObjectWithCovarianceArray objectsWithCovariance(const MovingObjects& objects);
+/// @param objects  in a frame fixed to the world: planners do not turn the velocities
+costmap_converter::ObstacleArrayMsg obstaclesOf(const MovingObjects& objects);
 
 /// Pictures of objects for rviz: for each a cylinder, an arrow as long as it moves in one second, and its id
 /// with its speed. Remembers which objects are on show.
