@@ -59,6 +59,7 @@ cv::Mat distanceToMoving(const cv::Mat& mask, const cv::Size& size) {
   return distance;
 }
 
+// By a pyramid: cv::inpaint leaves seams where its fronts meet, edges for whoever looks for some.
 cv::Mat filled(const cv::Mat& image, const cv::Mat& keep) {
   cv::Mat result = image.clone();
   cv::Rect area = cv::boundingRect(keep == 0);
