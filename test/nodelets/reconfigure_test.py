@@ -99,7 +99,7 @@ class Toy:
 
 def dynparam(*arguments):
     done = subprocess.run(["rosrun", "dynamic_reconfigure", "dynparam"] + list(arguments), timeout=TIMEOUT,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+                          stdout=subprocess.PIPE, universal_newlines=True)
     return done.returncode, done.stdout
 
 
@@ -192,7 +192,7 @@ class ReconfigureTest(unittest.TestCase):
                   "rospy.init_node('rqt_reconfigure', anonymous=True)\n"
                   "print(Client('/shown', timeout=20).update_configuration({'lanes': 9, 'near': 2.0})['lanes'])")
         done = subprocess.run([sys.executable, "-c", script], timeout=2 * TIMEOUT, stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, universal_newlines=True)
+                              universal_newlines=True)
         self.assertEqual((done.returncode, done.stdout), (0, "2\n"))
         text = "lanes is 9, must be between 1 and 8"
         wait_until(lambda: toy.has_logged("ERROR", "rejected: " + text), "the refusal was logged")
