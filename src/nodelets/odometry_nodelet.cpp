@@ -16,6 +16,7 @@ namespace radar_dot {
 namespace {
 
 constexpr std::size_t kMaxPending = 50;  // twists waiting for a rotation
+constexpr double kRivalMemory = 5.0;     // s; the latest transform is ours or theirs by turns
 constexpr std::array<const char*, 6> kComponents = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
 }  // namespace
@@ -72,10 +73,26 @@ void OdometryNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status
   if (!unobserved_.empty()) {
     status.mergeSummary(DiagnosticStatus::WARN, "not observed, least sideslip assumed: " + unobserved_);
   }
+  if (const std::string conflict = tfConflict(); !conflict.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN, conflict);
+    warn({}, conflict);
+  }
   status.add("twist topic", twist_input_->topic());
   status.addf("distance (m)", "%.2f", distance_before_gap_ + integrator_.state().distance);
   status.addf("gaps", "%zu", gaps_);
   status.addf("twists refused", "%zu", twist_input_->refusedInAll());
+}
+
+std::string OdometryNodelet::tfConflict() {
+  if (!config_.publish_tf) return "";
+  const std::string latest = extrinsics_->broadcaster();
+  if (!latest.empty() && latest != ros::this_node::getName()) {
+    tf_rival_ = latest;
+    tf_rival_seen_ = ros::WallTime::now();
+  }
+  if (tf_rival_.empty() || (ros::WallTime::now() - tf_rival_seen_).toSec() > kRivalMemory) return "";
+  return tf_rival_ + " publishes the transform to '" + extrinsics_->baseFrame() +
+         "' as well: one of the two must not (" + nameOf(config_, config_.publish_tf) + ": false)";
 }
 
 void OdometryNodelet::reportRotation(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -42,6 +42,8 @@ class OdometryNodelet : public ConfiguredNodelet<OdometryConfig> {
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
   void reportRotation(diagnostic_updater::DiagnosticStatusWrapper& status);
+  /// Of another node that publishes the transform to the base frame as well; empty: there is none.
+  std::string tfConflict();
 
   void onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist);
   void processQueue();
@@ -74,6 +76,8 @@ class OdometryNodelet : public ConfiguredNodelet<OdometryConfig> {
   nav_msgs::Path path_;
 
   InputMonitor* twist_input_ = nullptr;
+  std::string tf_rival_;  // node that publishes the transform to the base frame as well
+  ros::WallTime tf_rival_seen_;
   std::string unobserved_;            // components of the latest twist that its returns do not determine
   std::size_t without_rotation_ = 0;  // twists since the last report integrated without the source
   std::size_t gaps_ = 0;

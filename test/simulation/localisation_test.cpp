@@ -284,6 +284,19 @@ TestDrive makeDrive(std::uint64_t seed) {
   return drive;
 }
 
+/// Of vx, vy and the yaw rate.
+Eigen::Vector3d velocityOf(const StampedTwist& twist) {
+  return {twist.linear.x(), twist.linear.y(), twist.angular.z()};
+}
+Eigen::Matrix3d covarianceOf(const StampedTwist& twist) {
+  constexpr std::array<int, 3> kAxes = {0, 1, 5};
+  Eigen::Matrix3d covariance;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      covariance(static_cast<int>(i), static_cast<int>(j)) = twist.covariance(kAxes[i], kAxes[j]);
+  return covariance;
+}
+
 /// What a filter is given.
 struct Setting {
   const char* name;
@@ -346,13 +359,8 @@ class Ekf {
     H.block<3, 3>(0, 3).setIdentity();
     H.block<3, 1>(0, 3) += x_.tail<3>();
     H.block<3, 3>(0, 9) = x_[3] * Eigen::Matrix3d::Identity();
-    const Eigen::Vector3d measured(twist.linear.x(), twist.linear.y(), twist.angular.z());
-    const std::array<int, 3> axes = {0, 1, 5};
-    Eigen::Matrix3d R;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        R(i, j) = twist.covariance(axes[static_cast<std::size_t>(i)], axes[static_cast<std::size_t>(j)]);
-    update<3>(measured - velocity() - x_[3] * x_.tail<3>(), H, R);
+    const Eigen::Vector3d measured = velocityOf(twist);
+    update<3>(measured - velocity() - x_[3] * x_.tail<3>(), H, covarianceOf(twist));
   }
 
   void usePosition(const Eigen::Vector2d& measured) {
@@ -448,6 +456,16 @@ Figures filter(const TestDrive& drive, const Setting& setting, double gnss_end) 
   return figures;
 }
 
+/// Normalised squared error of ego/twist_raw, mean over the sweeps.
+double sweepNees(const TestDrive& drive) {
+  double sum = 0.0;
+  for (const StampedTwist& twist : drive.raw) {
+    const Eigen::Vector3d error = velocityOf(twist) - drive.at(twist.time).velocity;
+    sum += error.dot(covarianceOf(twist).ldlt().solve(error));
+  }
+  return sum / static_cast<double>(drive.raw.size());
+}
+
 /// m, of the Odometry nodelet with the yaw rate of the radars, from the true pose at `begin` (s) to the end.
 double odometryError(const TestDrive& drive, double begin) {
   VelocityIntegrator integrator;
@@ -500,12 +518,17 @@ TEST_F(Localisation, PublishedCovariancesAreConsistent) {
   constexpr double kLow2 = 24.433 / 20, kHigh2 = 59.342 / 20;
   constexpr double kLow3 = 40.482 / 20, kHigh3 = 83.298 / 20;
   fmt::print(
-      "| EKF: normalised estimation error squared | position (2) | pose (3) | velocity (3) "
+      "| normalised estimation error squared (NEES) | position (2) | pose (3) | velocity (3) "
       "|\n|---|---|---|---|\n");
   fmt::print("| 95 % of 20 drives | {:.2f} to {:.2f} | {:.2f} to {:.2f} | {:.2f} to {:.2f} |\n", kLow2,
              kHigh2, kLow3, kHigh3, kLow3, kHigh3);
+  double sweeps = 0.0;
+  for (const TestDrive& drive : drives_) sweeps += sweepNees(drive) / kDrives;
+  fmt::print("| `ego/twist_raw` itself | - | - | {:.2f} |\n", sweeps);
+  EXPECT_GT(sweeps, kLow3);
+  EXPECT_LT(sweeps, kHigh3);
   const std::pair<const char*, double> cases[] = {
-      {"no GNSS", kNever}, {"GNSS at 1 Hz", kAlways}, {"30 s of outage", kOutageBegin}};
+      {"EKF, no GNSS", kNever}, {"EKF, GNSS at 1 Hz", kAlways}, {"EKF, 30 s of outage", kOutageBegin}};
   for (const auto& [name, gnss_end] : cases) {
     const Figures figures = meanOf(kFused, gnss_end);
     fmt::print("| {} | {:.2f} | {:.2f} | {:.2f} |\n", name, figures.nees_position, figures.nees_pose,
