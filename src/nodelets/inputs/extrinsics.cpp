@@ -74,16 +74,4 @@ std::optional<Eigen::Isometry3d> Extrinsics::lookup(const std::string& sensor_fr
   }
 }
 
-std::string Extrinsics::broadcaster() const {
-  // tf2 tells it in this text alone; each frame is a line "name: " and indented ones.
-  const std::string frames = "\n" + buffer_->allFramesAsYAML();
-  const std::size_t entry = frames.find("\n" + base_frame_ + ": ");
-  if (entry == std::string::npos) return "";
-  const std::string key = "broadcaster: '";
-  const std::size_t name = frames.find(key, entry);
-  if (name == std::string::npos) return "";
-  const std::size_t begin = name + key.size();
-  return frames.substr(begin, frames.find('\'', begin) - begin);
-}
-
 }  // namespace radar_dot

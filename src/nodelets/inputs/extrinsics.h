@@ -27,8 +27,6 @@ class Extrinsics {
   std::optional<Eigen::Isometry3d> lookup(const std::string& sensor_frame, std::string& error);
 
   const std::string& baseFrame() const noexcept { return base_frame_; }
-  /// The node that published the latest transform to the base frame from its parent; empty: none did.
-  std::string broadcaster() const;
   /// Safe to use from any thread.
   tf2_ros::Buffer& buffer() noexcept { return *buffer_; }
 
