@@ -12,8 +12,6 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -253,11 +251,13 @@ void simulateImu(std::uint64_t seed, TestDrive& drive) {
   drive.offset = normal3(kGyroOffset, kAccelerometerOffset);
   Eigen::Vector3d left = normal3(kGyroNoise, kAccelerometerNoise) / std::sqrt(kStandstill);
   const double root = std::sqrt(kImuPeriod);
-  constexpr double kDifference = 5e-3;  // s
+  constexpr double kHalf = 0.5 * kImuPeriod;
+  Eigen::Vector3d before = drive.ego->velocity(-kHalf);
   for (double t = 0.0; t < kDuration; t += kImuPeriod) {
     const Eigen::Matrix3d R_base_from_map = drive.ego->at(t).T_map_from_body.linear().transpose();
-    const Eigen::Vector3d change =
-        (drive.ego->velocity(t + kDifference) - drive.ego->velocity(t - kDifference)) / (2.0 * kDifference);
+    const Eigen::Vector3d after = drive.ego->velocity(t + kHalf);
+    const Eigen::Vector3d change = (after - before) / kImuPeriod;
+    before = after;
     const Eigen::Vector3d felt = R_base_from_map * (change + kGravity * Eigen::Vector3d::UnitZ());
     const Eigen::Vector3d error = left + normal3(kGyroNoise, kAccelerometerNoise) / root;
     drive.imu.push_back({t, (R_base_from_map * drive.ego->angularVelocity(t)).z() + error[0],
