@@ -16,6 +16,7 @@ namespace radar_dot {
 namespace {
 
 constexpr std::size_t kMaxPending = 50;  // twists waiting for a rotation
+constexpr double kRivalMemory = 2.0;     // s
 constexpr std::array<const char*, 6> kComponents = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
 }  // namespace
@@ -39,6 +40,7 @@ void OdometryNodelet::setUp() {
         if (!path_.poses.empty()) subscriber.publish(path_);
       });
   path_.header.frame_id = config_.rotation.odom_frame;
+  tf_subscriber_ = handle.subscribe("/tf", 100, &OdometryNodelet::onTf, this);
   broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
   static_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
 }
@@ -72,10 +74,29 @@ void OdometryNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status
   if (!unobserved_.empty()) {
     status.mergeSummary(DiagnosticStatus::WARN, "not observed, least sideslip assumed: " + unobserved_);
   }
+  if (const std::string conflict = tfConflict(); !conflict.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN, conflict);
+    warn({}, conflict);
+  }
   status.add("twist topic", twist_input_->topic());
   status.addf("distance (m)", "%.2f", distance_before_gap_ + integrator_.state().distance);
   status.addf("gaps", "%zu", gaps_);
   status.addf("twists refused", "%zu", twist_input_->refusedInAll());
+}
+
+void OdometryNodelet::onTf(const ros::MessageEvent<const tf2_msgs::TFMessage>& event) {
+  if (!config_.publish_tf || event.getPublisherName() == ros::this_node::getName()) return;
+  for (const geometry_msgs::TransformStamped& transform : event.getConstMessage()->transforms) {
+    if (withoutSlash(transform.child_frame_id) != extrinsics_->baseFrame()) continue;
+    tf_rival_ = event.getPublisherName();
+    tf_rival_seen_ = ros::WallTime::now();
+  }
+}
+
+std::string OdometryNodelet::tfConflict() const {
+  if (tf_rival_.empty() || (ros::WallTime::now() - tf_rival_seen_).toSec() > kRivalMemory) return "";
+  return tf_rival_ + " publishes the transform to '" + extrinsics_->baseFrame() +
+         "' as well: one of the two must not (" + nameOf(config_, config_.publish_tf) + ": false)";
 }
 
 void OdometryNodelet::reportRotation(diagnostic_updater::DiagnosticStatusWrapper& status) {

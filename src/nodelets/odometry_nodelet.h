@@ -4,6 +4,7 @@
 
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <nav_msgs/Path.h>
+#include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_broadcaster.h>
 
@@ -42,6 +43,9 @@ class OdometryNodelet : public ConfiguredNodelet<OdometryConfig> {
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
   void reportRotation(diagnostic_updater::DiagnosticStatusWrapper& status);
+  /// Of a node that publishes the transform to the base frame as well; empty: there is none.
+  std::string tfConflict() const;
+  void onTf(const ros::MessageEvent<const tf2_msgs::TFMessage>& event);
 
   void onTwist(const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist);
   void processQueue();
@@ -74,6 +78,9 @@ class OdometryNodelet : public ConfiguredNodelet<OdometryConfig> {
   nav_msgs::Path path_;
 
   InputMonitor* twist_input_ = nullptr;
+  ros::Subscriber tf_subscriber_;
+  std::string tf_rival_;  // node that published the transform to the base frame, and when
+  ros::WallTime tf_rival_seen_;
   std::string unobserved_;            // components of the latest twist that its returns do not determine
   std::size_t without_rotation_ = 0;  // twists since the last report integrated without the source
   std::size_t gaps_ = 0;

@@ -3,11 +3,14 @@
 #include "radar_dot/config/sections.h"
 
 #include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
 
 #include <map>
 #include <set>
 
 #include "fixtures/field_values.h"
+#include "radar/synthetic_sweep.h"
+#include "radar_dot/common/stamped_twist.h"
 
 namespace radar_dot {
 namespace {
@@ -121,6 +124,37 @@ TEST(Sections, RulesBetweenFieldsNameThoseFields) {
   objects = {};
   objects.tracker.max_body_length = 1.0;
   EXPECT_EQ(refusedNames(objects), (std::vector<std::string>{"min_body_length", "max_body_length"}));
+}
+
+// The frames by default, and of the twist what each model tells: vx, vy and the yaw rate, and nothing of the
+// rest.
+TEST(RobotLocalization, FusesWhatIsPublished) {
+  const YAML::Node ekf = YAML::LoadFile(ROBOT_LOCALIZATION);
+  const Configuration defaults;
+  EXPECT_EQ(ekf["base_link_frame"].as<std::string>(), defaults.ego_velocity.base_frame);
+  EXPECT_EQ(ekf["odom_frame"].as<std::string>(), defaults.odometry.rotation.odom_frame);
+  EXPECT_EQ(ekf["world_frame"].as<std::string>(), ekf["odom_frame"].as<std::string>());
+  EXPECT_TRUE(ekf["publish_tf"].as<bool>());
+
+  constexpr std::size_t kStates = 15, kVelocity = 6;
+  const auto twist = ekf["twist0_config"].as<std::vector<bool>>();
+  const auto imu = ekf["imu0_config"].as<std::vector<bool>>();
+  ASSERT_EQ(twist.size(), kStates);
+  ASSERT_EQ(imu.size(), kStates);
+  const auto sweep = test::makeSweep(test::carMounts(), {8.0, 0.1, 0.0}, {0.0, 0.0, 0.2});
+  for (const MotionModel model : {MotionModel::kPlanarYaw, MotionModel::kAckermann}) {
+    EgoVelocityParams params;
+    params.model = model;
+    const EgoVelocityResult result = EgoVelocityEstimator(params).estimate(sweep.scans(), 0.0);
+    ASSERT_TRUE(result.valid()) << result.reason;
+    const StampedTwist published{0.0, result.linear, result.angular, result.covariance};
+    for (std::size_t i = 0; i < kStates; ++i) {
+      const bool is_velocity = i >= kVelocity && i < kVelocity + 6;
+      const bool told = is_velocity && published.observes(static_cast<Eigen::Index>(i - kVelocity));
+      EXPECT_EQ(twist[i], told) << toString(model) << ", state " << i;
+      EXPECT_EQ(imu[i], i == kVelocity + 5) << "state " << i;
+    }
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <rosgraph_msgs/Log.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
+#include <tf2_ros/transform_broadcaster.h>
 
 #include <algorithm>
 #include <cmath>
@@ -338,6 +339,26 @@ TEST_F(FaultsTest, WhatIsNotObservedAloneIsIntegratedAsGiven) {
   EXPECT_NEAR(poses.back()->pose.pose.position.z, 0.0, 1e-9) << "a climb is not measured";
   EXPECT_TRUE(diagnostics_.says("odometry_lone: odometry", DiagnosticStatus::ERROR,
                                 "least sideslip assumed: vx, vy, wz"));
+}
+
+TEST_F(FaultsTest, AnotherNodeThatPublishesTheTransformIsNamed) {
+  EXPECT_TRUE(diagnostics_.says("odometry: odometry", DiagnosticStatus::OK, "Hz"));
+  {
+    tf2_ros::TransformBroadcaster broadcaster;
+    geometry_msgs::TransformStamped transform;
+    transform.header.frame_id = "odom";
+    transform.child_frame_id = "base_link";
+    transform.transform.rotation.w = 1.0;
+    const Ticker ticker(50.0, [&] {
+      transform.header.stamp = ros::Time::now();
+      broadcaster.sendTransform(transform);
+    });
+    EXPECT_TRUE(diagnostics_.says("odometry: odometry", DiagnosticStatus::WARN,
+                                  ros::this_node::getName() + " publishes the transform to 'base_link'"));
+    EXPECT_TRUE(diagnostics_.says("odometry_gyro: odometry", DiagnosticStatus::OK, "Hz"))
+        << "publish_tf: false";
+  }
+  EXPECT_TRUE(diagnostics_.says("odometry: odometry", DiagnosticStatus::OK, "Hz"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #
 # The parameters of the nodelets: each of those that can change is changed, and what is invalid is rejected.
 import math
+import os
 import re
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import unittest
 import roslib.packages
 import rospy
 import rostest
+import yaml
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from dynamic_reconfigure import DynamicReconfigureCallbackException
 from dynamic_reconfigure.client import Client
@@ -216,6 +218,13 @@ class ParametersTest(unittest.TestCase):
         self.expect_report("unscaled: configuration", DiagnosticStatus.ERROR, text + ": doppler_scale")
         client.update_configuration({"doppler_scale": -1.0})
         self.expect_report("unscaled: configuration", DiagnosticStatus.OK, "2 radars")
+
+    def test_the_topic_of_robot_localization_is_there(self):
+        self.load("EgoVelocity", "fused", radars=RADARS)
+        with open(os.path.join(roslib.packages.get_pkg_dir("radar_dot"), "config", "robot_localization.yaml")) as file:
+            topic = "/" + yaml.safe_load(file)["twist0"]
+        wait_until(lambda: [topic, "geometry_msgs/TwistWithCovarianceStamped"] in rospy.get_published_topics(),
+                   topic + " is published")
 
 
 if __name__ == "__main__":

@@ -99,8 +99,8 @@ class Toy:
 
 def dynparam(*arguments):
     done = subprocess.run(["rosrun", "dynamic_reconfigure", "dynparam"] + list(arguments), timeout=TIMEOUT,
-                          stdout=subprocess.PIPE, universal_newlines=True)
-    return done.returncode, done.stdout
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+    return done.returncode, done.stdout + (done.stderr if done.returncode else "")
 
 
 class ReconfigureTest(unittest.TestCase):
