@@ -74,12 +74,13 @@ class PcdHeader {
     for (std::size_t i = 0; i < names.values.size(); ++i) {
       const std::string size(entry("SIZE").values[i]), type(entry("TYPE").values[i]);
       const auto scalar = static_cast<ScalarType>(pcl::getFieldType(std::atoi(size.c_str()), type[0]));
-      if (type.size() != 1 || std::to_string(scalarSize(scalar)) != size)
+      if (type.size() != 1 || scalarSize(scalar) == 0 || std::to_string(scalarSize(scalar)) != size)
         fail(entry("TYPE").line,
              fmt::format("field '{}' has TYPE {} of SIZE {}", names.values[i], type, size));
       if (entry("COUNT").values[i] != "1")
         fail(entry("COUNT").line,
              fmt::format("field '{}' has COUNT {}, must be 1", names.values[i], entry("COUNT").values[i]));
+      if (names.values[i] == "_") fail(names.line, "a field '_' is padding, which PCL does not read");
       if (findField(cloud.fields, names.values[i]) != nullptr)
         fail(names.line, fmt::format("field '{}' appears twice", names.values[i]));
       cloud.fields.push_back(

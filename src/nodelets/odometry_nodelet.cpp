@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kMaxPending = 50;  // twists waiting for a rotation
 constexpr double kRivalMemory = 2.0;     // s
+constexpr double kForever = 1e9;         // s
 constexpr std::array<const char*, 6> kComponents = {"vx", "vy", "vz", "wx", "wy", "wz"};
 
 }  // namespace
@@ -40,7 +41,8 @@ void OdometryNodelet::setUp() {
         if (!path_.poses.empty()) subscriber.publish(path_);
       });
   path_.header.frame_id = config_.rotation.odom_frame;
-  tf_subscriber_ = handle.subscribe("/tf", 100, &OdometryNodelet::onTf, this);
+  for (const char* topic : {"/tf", "/tf_static"})
+    tf_subscribers_.push_back(handle.subscribe(topic, 100, &OdometryNodelet::onTf, this));
   broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
   static_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
 }
@@ -88,13 +90,14 @@ void OdometryNodelet::onTf(const ros::MessageEvent<const tf2_msgs::TFMessage>& e
   if (!config_.publish_tf || event.getPublisherName() == ros::this_node::getName()) return;
   for (const geometry_msgs::TransformStamped& transform : event.getConstMessage()->transforms) {
     if (withoutSlash(transform.child_frame_id) != extrinsics_->baseFrame()) continue;
+    const bool holds = event.getConnectionHeader().at("topic") == "/tf_static";
     tf_rival_ = event.getPublisherName();
-    tf_rival_seen_ = ros::WallTime::now();
+    tf_rival_holds_until_ = ros::WallTime::now() + ros::WallDuration(holds ? kForever : kRivalMemory);
   }
 }
 
 std::string OdometryNodelet::tfConflict() const {
-  if (tf_rival_.empty() || (ros::WallTime::now() - tf_rival_seen_).toSec() > kRivalMemory) return "";
+  if (ros::WallTime::now() > tf_rival_holds_until_) return "";
   return tf_rival_ + " publishes the transform to '" + extrinsics_->baseFrame() +
          "' as well: one of the two must not (" + nameOf(config_, config_.publish_tf) + ": false)";
 }

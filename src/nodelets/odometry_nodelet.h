@@ -78,9 +78,9 @@ class OdometryNodelet : public ConfiguredNodelet<OdometryConfig> {
   nav_msgs::Path path_;
 
   InputMonitor* twist_input_ = nullptr;
-  ros::Subscriber tf_subscriber_;
-  std::string tf_rival_;  // node that published the transform to the base frame, and when
-  ros::WallTime tf_rival_seen_;
+  std::vector<ros::Subscriber> tf_subscribers_;
+  std::string tf_rival_;  // node that published the transform to the base frame
+  ros::WallTime tf_rival_holds_until_;
   std::string unobserved_;            // components of the latest twist that its returns do not determine
   std::size_t without_rotation_ = 0;  // twists since the last report integrated without the source
   std::size_t gaps_ = 0;

@@ -75,8 +75,7 @@ void StaticWorldNodelet::listenToInputs() {
 }
 
 void StaticWorldNodelet::apply(const StaticWorldConfig& config) {
-  if (!server_ || config.mask_max_age != config_.mask_max_age)
-    masks_ = StampCache<sensor_msgs::Image>(config.mask_max_age + kSlack);
+  masks_.setSpan(config.mask_max_age + kSlack);
   config_ = config;
 }
 
@@ -105,6 +104,17 @@ void StaticWorldNodelet::processQueue(Queue& queue, InputMonitor& input) {
   };
   while (const std::optional<Queue::Taken> taken = queue.take(config_.mask_wait, Moment::now(), lackOf))
     guard(input, [&] { taken->item.publish(); });
+}
+
+sensor_msgs::ImageConstPtr StaticWorldNodelet::maskOf(const std_msgs::Header& header, const cv::Size& size) {
+  const sensor_msgs::ImageConstPtr mask = maskAt(header.stamp, size);
+  if (mask && withoutSlash(mask->header.frame_id) != withoutSlash(header.frame_id)) {
+    ++of_another_frame_since_report_;
+    frames_ = "masks are in frame '" + mask->header.frame_id + "', what is masked in '" + header.frame_id +
+              "': it must be registered to the camera of the masks";
+    warn("frame", frames_);
+  }
+  return mask;
 }
 
 sensor_msgs::ImageConstPtr StaticWorldNodelet::maskAt(const ros::Time& stamp, const cv::Size& size) {
@@ -150,7 +160,7 @@ cv::Mat StaticWorldNodelet::keepOf(const sensor_msgs::ImageConstPtr& mask, const
 void StaticWorldNodelet::publishImage(LazyImage& picture) {
   const std_msgs::Header& header = picture.header();
   const cv::Size size = picture.size();
-  const cv::Mat keep = keepOf(maskAt(header.stamp, size), header.stamp, size);
+  const cv::Mat keep = keepOf(maskOf(header, size), header.stamp, size);
   if (mask_publisher_.getNumSubscribers() > 0) mask_publisher_.publish(imageMessage(header, "mono8", keep));
   if (image_publisher_.getNumSubscribers() > 0) {
     const cv::Mat& image = picture.pixels();
@@ -162,22 +172,22 @@ void StaticWorldNodelet::publishImage(LazyImage& picture) {
 
 void StaticWorldNodelet::publishDepth(const sensor_msgs::Image& depth) {
   const ros::Time& stamp = depth.header.stamp;
-  const cv::Size size(static_cast<int>(depth.width), static_cast<int>(depth.height));
-  depth_publisher_.publish(keptDepth(depth, keepOf(maskAt(stamp, size), stamp, size)));
+  const cv::Size size = imageSizeOf(depth, "depth");
+  depth_publisher_.publish(keptDepth(depth, keepOf(maskOf(depth.header, size), stamp, size)));
   notePublished(stamp);
 }
 
 void StaticWorldNodelet::publishPoints(const sensor_msgs::PointCloud2ConstPtr& cloud) {
   if (!camera_) throw std::invalid_argument("nothing on '" + camera_input_->topic() + "' yet");
-  const cv::Size size(static_cast<int>(camera_->width), static_cast<int>(camera_->height));
-  const sensor_msgs::ImageConstPtr mask = maskAt(cloud->header.stamp, size);
-  points_publisher_.publish(mask ? withoutMoving(cloud, mask) : cloud);
+  const CameraIntrinsics camera = cameraOf(*camera_);
+  const sensor_msgs::ImageConstPtr mask = maskAt(cloud->header.stamp, {camera.width, camera.height});
+  points_publisher_.publish(mask ? withoutMoving(cloud, mask, camera) : cloud);
   notePublished(cloud->header.stamp);
 }
 
 sensor_msgs::PointCloud2ConstPtr StaticWorldNodelet::withoutMoving(
-    const sensor_msgs::PointCloud2ConstPtr& cloud, const sensor_msgs::ImageConstPtr& mask) {
-  const CameraIntrinsics camera = cameraOf(*camera_);
+    const sensor_msgs::PointCloud2ConstPtr& cloud, const sensor_msgs::ImageConstPtr& mask,
+    const CameraIntrinsics& camera) {
   if (isDistorted(*camera_)) {
     warn("camera", "camera_info on '" + camera_input_->topic() +
                        "' has distortion: the images must be rectified (image_proc)");
@@ -210,6 +220,8 @@ void StaticWorldNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   if (without_mask_since_report_ > 0) {
     status.summaryf(DiagnosticStatus::WARN, "%zu of %zu without a mask, everything is kept: %s",
                     without_mask_since_report_, published_since_report_, lack_.c_str());
+  } else if (of_another_frame_since_report_ > 0) {
+    status.summary(DiagnosticStatus::WARN, frames_);
   } else if (withoutOutput() > silentAfter()) {
     status.summaryf(DiagnosticStatus::ERROR, "no output for %.1f s", withoutOutput());
   } else {
@@ -224,7 +236,7 @@ void StaticWorldNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.addf("waiting", "%zu", images_.size() + depths_.size() + clouds_.size());
   apart_since_report_ = 0.0;
   published_since_report_ = by_another_since_report_ = without_mask_since_report_ = 0;
-  without_motion_since_report_ = 0;
+  without_motion_since_report_ = of_another_frame_since_report_ = 0;
 }
 
 }  // namespace radar_dot

@@ -57,11 +57,14 @@ class StaticWorldNodelet : public ConfiguredNodelet<StaticWorldConfig> {
   void publishDepth(const sensor_msgs::Image& depth);
   void publishPoints(const sensor_msgs::PointCloud2ConstPtr& cloud);
   sensor_msgs::PointCloud2ConstPtr withoutMoving(const sensor_msgs::PointCloud2ConstPtr& cloud,
-                                                 const sensor_msgs::ImageConstPtr& mask);
+                                                 const sensor_msgs::ImageConstPtr& mask,
+                                                 const CameraIntrinsics& camera);
 
   /// The mask that holds at a time, for a grid of the image's shape; null, counted and warned of: there is
   /// none.
   sensor_msgs::ImageConstPtr maskAt(const ros::Time& stamp, const cv::Size& size);
+  /// The same for an image or a depth, which must be in the frame of the mask: else warned of.
+  sensor_msgs::ImageConstPtr maskOf(const std_msgs::Header& header, const cv::Size& size);
   /// Which pixels are kept there: 255, else 0. @param mask  null: all
   cv::Mat keepOf(const sensor_msgs::ImageConstPtr& mask, const ros::Time& stamp, const cv::Size& size);
   void notePublished(const ros::Time& stamp);
@@ -82,8 +85,8 @@ class StaticWorldNodelet : public ConfiguredNodelet<StaticWorldConfig> {
   double latency_ = 0.0, apart_since_report_ = 0.0;  // s
   std::size_t published_ = 0, without_mask_ = 0;
   std::size_t published_since_report_ = 0, by_another_since_report_ = 0, without_mask_since_report_ = 0,
-              without_motion_since_report_ = 0;
-  std::string lack_;
+              without_motion_since_report_ = 0, of_another_frame_since_report_ = 0;
+  std::string lack_, frames_;
 };
 
 }  // namespace radar_dot

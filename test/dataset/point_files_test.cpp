@@ -161,6 +161,10 @@ TEST_F(PointFiles, HeaderErrorsNameTheLine) {
               {"header line 4", "field 'y' has COUNT 3, must be 1"});
   expectError("FIELDS x y\nSIZE 4 8\nTYPE F I\nCOUNT 1 1\n" + tail,
               {"header line 3", "field 'y' has TYPE I of SIZE 8"});
+  expectError("FIELDS x y\nSIZE 4 0\nTYPE F F\nCOUNT 1 1\n" + tail,
+              {"header line 3", "field 'y' has TYPE F of SIZE 0"});
+  expectError("FIELDS x _\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\n" + tail,
+              {"header line 1", "field '_' is padding"});
   expectError("FIELDS x x\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\n" + tail,
               {"header line 1", "field 'x' appears twice"});
   expectError("FIELDS\nSIZE\nTYPE\nCOUNT\n" + tail, {"header line 1", "no fields"});

@@ -27,11 +27,19 @@ run() {
 expect() {  # number of calls, pattern
   [ "$(grep -c -- "$2" "$scratch/calls")" -eq "$1" ] || { echo "expected $1 x '$2' in:"; cat "$scratch/calls"; exit 1; }
 }
-unset CMAKE_PREFIX_PATH
-run "$scratch/none"
+unset CMAKE_PREFIX_PATH ROS_DISTRO
+run ""
 expect 1 '^apt-get install .* libroscpp-dev .*\[\]$'
 expect 0 '^rosdep'
 run "$scratch/noetic"
 expect 1 '^apt-get install .* ninja-build'
 expect 0 '^apt-get .*\(ros\|catkin\|tf2\|torch\)'
 expect 1 '^rosdep install .* --rosdistro noetic .*\[/of/noetic\]$'
+export ROS_DISTRO=noetic CMAKE_PREFIX_PATH=/of/my_workspace:/of/noetic
+run "$scratch/noetic"
+expect 1 '^rosdep install .*\[/of/my_workspace:/of/noetic\]$'
+if RADAR_DOT_NOETIC=$scratch/misspelled BASH_ENV=$scratch/functions bash "$setup" 2>"$scratch/log"; then
+  echo "a folder without Noetic is taken for Noetic"
+  exit 1
+fi
+grep -q misspelled "$scratch/log"

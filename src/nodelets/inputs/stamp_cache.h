@@ -21,6 +21,8 @@ class StampCache {
   /// @param span  s of stamps that are kept   @param capacity  messages that are kept, whatever their stamps
   explicit StampCache(double span = 4.0, std::size_t capacity = 100) : span_(span), capacity_(capacity) {}
 
+  /// Holds from the next message on.
+  void setSpan(double span) noexcept { span_ = span; }
   void add(Pointer message) {
     const double newest = message->header.stamp.toSec();
     messages_.push_back(std::move(message));

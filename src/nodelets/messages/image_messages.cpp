@@ -24,6 +24,10 @@ void expectSoundBytes(const sensor_msgs::Image& message, const std::string& what
     throw std::invalid_argument(what + ": it has " + std::to_string(message.data.size()) +
                                 " bytes instead of " + std::to_string(bytes) + ", its step times its height");
   }
+  if (message.step < message.width) {
+    throw std::invalid_argument(what + ": its step of " + std::to_string(message.step) +
+                                " bytes is shorter than a row of " + std::to_string(message.width) + " px");
+  }
   bool deep = false;
   try {
     constexpr int kByte = 8;
@@ -86,6 +90,12 @@ std::string sizeText(const cv::Size& size) {
   return std::to_string(size.width) + " x " + std::to_string(size.height);
 }
 
+cv::Size imageSizeOf(const sensor_msgs::Image& message, const std::string& what) {
+  expectSize(message, what);
+  expectSoundBytes(message, what);
+  return {static_cast<int>(message.width), static_cast<int>(message.height)};
+}
+
 bool isGridOf(const cv::Size& grid, const cv::Size& image) {
   if (grid.width <= 0 || grid.height <= 0 || image.width <= 0 || image.height <= 0) return false;
   const double height = static_cast<double>(image.height) * grid.width / image.width;
@@ -94,8 +104,7 @@ bool isGridOf(const cv::Size& grid, const cv::Size& image) {
 }
 
 DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message) {
-  expectSize(*message, "image");
-  expectSoundBytes(*message, "image");
+  imageSizeOf(*message, "image");
   const bool grey = message->encoding == encodings::MONO8 || message->encoding == encodings::MONO16;
   try {
     const cv_bridge::CvImageConstPtr converted =
@@ -188,6 +197,12 @@ CameraIntrinsics cameraOf(const sensor_msgs::CameraInfo& message) {
   Eigen::Matrix3d matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(message.K.data());
   if (message.P[0] != 0.0) {
     matrix = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(message.P.data()).leftCols<3>();
+  }
+  // Pictures of this size are allocated: more than any camera has is a message that is damaged.
+  constexpr std::uint32_t kLargest = 1U << 14U;
+  if (std::max(message.width, message.height) > kLargest) {
+    throw std::invalid_argument("camera_info: its size of " + std::to_string(message.width) + " x " +
+                                std::to_string(message.height) + " px is beyond " + std::to_string(kLargest));
   }
   try {
     return CameraIntrinsics::fromMatrix(matrix, static_cast<int>(message.width),

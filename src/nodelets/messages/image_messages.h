@@ -57,6 +57,9 @@ CameraIntrinsics cameraOf(const sensor_msgs::CameraInfo& message);
 /// True where images are not rectified: K is all that is given, and there is distortion.
 bool isDistorted(const sensor_msgs::CameraInfo& message);
 
+/// Of a raw image whose bytes are there. @throws std::invalid_argument that starts with `what`, if not
+cv::Size imageSizeOf(const sensor_msgs::Image& message, const std::string& what);
+
 /// True where a grid has the shape of an image, within the rounding of its sides.
 bool isGridOf(const cv::Size& grid, const cv::Size& image);
 /// "800 x 450"

@@ -15,11 +15,8 @@ class LazyImage {
   explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed) : compressed_(std::move(compressed)) {}
 
   const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
-  /// Of raw images that of the message, whatever its pixels are.
-  cv::Size size() {
-    if (compressed_) return pixels().size();
-    return {static_cast<int>(raw_->width), static_cast<int>(raw_->height)};
-  }
+  /// Raw images need not be converted for it. @throws std::invalid_argument as decodedImageOf()
+  cv::Size size() { return raw_ ? imageSizeOf(*raw_, "image") : pixels().size(); }
   /// @throws std::invalid_argument as decodedImageOf()
   const cv::Mat& pixels() {
     if (!picture_.pixels.empty()) return picture_.pixels;
