@@ -368,6 +368,17 @@ TEST_F(ImageInputs, DepthHasHolesWhereSomethingMoves) {
   EXPECT_TRUE(same(matOf(*depths.latest(), CV_16UC1), expected));
   expectReported([](Frame& frame) { frame.depth.encoding = "bgr8"; }, "static_world: input depth/input",
                  "bgr8");
+  // Of the same shape, and nothing in it.
+  expectReported(
+      [](Frame& frame) {
+        frame.depth.width *= 100;
+        frame.depth.height *= 100;
+        frame.depth.data.clear();
+        frame.depth.step = 0;
+      },
+      "static_world: input depth/input", "its step of 0 bytes is shorter than a row of 32000 px");
+  expectReported([](Frame& frame) { frame.depth.header.frame_id = "another"; }, "static_world: static world",
+                 "what is masked in 'another'");
   expectReported(
       [](Frame& frame) {
         frame.mask = imageOf(frame.mask.header.stamp, "mono8", cv::Mat::zeros(90, 90, CV_8UC1));
