@@ -6,6 +6,7 @@
 # rqt_reconfigure is built on, and dynparam.
 import importlib.util
 import math
+import inspect
 import os
 import subprocess
 import sys
@@ -201,6 +202,9 @@ class ReconfigureTest(unittest.TestCase):
         toy.client.update_configuration({"lanes": 3})
         wait_until(lambda: toy.state["refusal"] == "", "the refusal was cleared")
 
+    # Debian 11: rospy calls what its Python has no longer, and dynparam fails at its end.
+    @unittest.skipIf("isAlive" in inspect.getsource(rospy.core) and not hasattr(threading.Thread, "isAlive"),
+                     "rospy does not suit the version of Python")
     def test_dynparam(self):
         toy = self.start("tool")
         # Some distributions do not install what `list` needs.
