@@ -5,8 +5,8 @@
 # The parameters of a running node through the clients that users have: the Python client, which
 # rqt_reconfigure is built on, and dynparam.
 import importlib.util
-import math
 import inspect
+import math
 import os
 import subprocess
 import sys
