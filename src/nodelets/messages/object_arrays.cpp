@@ -88,29 +88,24 @@ std::string definitionOf(std::string own) {
 }
 
 }  // namespace
-}  // namespace radar_dot
-
-namespace ros::message_traits {
 
 using geometry_msgs::AccelWithCovariance;
 using geometry_msgs::Polygon;
 using geometry_msgs::PoseWithCovariance;
 using geometry_msgs::TwistWithCovariance;
 
-const char* Definition<radar_dot::derived_object_msgs::ObjectWithCovarianceArray>::value() {
-  using namespace radar_dot;
+const char* derived_object_msgs::ObjectWithCovarianceArray::definition() {
   static const std::string text =
       definitionOf<std_msgs::Header, PoseWithCovariance, TwistWithCovariance, AccelWithCovariance, Polygon>(
           kObjects + kSeparator + kObject + kSeparator + kShape);
   return text.c_str();
 }
 
-const char* Definition<radar_dot::costmap_converter::ObstacleArrayMsg>::value() {
-  using namespace radar_dot;
+const char* costmap_converter::ObstacleArrayMsg::definition() {
   static const std::string text =
       definitionOf<std_msgs::Header, Polygon, geometry_msgs::Quaternion, TwistWithCovariance>(
           kObstacles + kSeparator + kObstacle);
   return text.c_str();
 }
 
-}  // namespace ros::message_traits
+}  // namespace radar_dot

@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "nodelets/messages/message_text.h"
+
 // The messages derived_object_msgs/ObjectWithCovarianceArray and costmap_converter/ObstacleArrayMsg, for
 // builds without these packages.
 
@@ -45,6 +47,11 @@ struct ObjectWithCovariance {
 struct ObjectWithCovarianceArray {
   std_msgs::Header header;
   std::vector<ObjectWithCovariance> objects;
+
+  static const char* md5() { return "59dfdf4ed3407a2558ccbc7f5732bf46"; }
+  static const char* dataType() { return "derived_object_msgs/ObjectWithCovarianceArray"; }
+  /// Of the message and, once each, of all that it is made of.
+  static const char* definition();
 };
 
 }  // namespace radar_dot::derived_object_msgs
@@ -63,6 +70,11 @@ struct ObstacleMsg {
 struct ObstacleArrayMsg {
   std_msgs::Header header;
   std::vector<ObstacleMsg> obstacles;
+
+  static const char* md5() { return "8a1bdcde72c65ca7d3ce8ebf52d43516"; }
+  static const char* dataType() { return "costmap_converter/ObstacleArrayMsg"; }
+  /// As of ObjectWithCovarianceArray.
+  static const char* definition();
 };
 
 }  // namespace radar_dot::costmap_converter
@@ -76,50 +88,30 @@ template <>
 struct HasHeader<radar_dot::costmap_converter::ObstacleArrayMsg> : TrueType {};
 
 template <>
-struct MD5Sum<radar_dot::derived_object_msgs::ObjectWithCovarianceArray> {
-  static const char* value() { return "59dfdf4ed3407a2558ccbc7f5732bf46"; }
-  static const char* value(const radar_dot::derived_object_msgs::ObjectWithCovarianceArray& /*message*/) {
-    return value();
-  }
-};
+struct MD5Sum<radar_dot::derived_object_msgs::ObjectWithCovarianceArray>
+    : radar_dot::MessageText<radar_dot::derived_object_msgs::ObjectWithCovarianceArray,
+                             &radar_dot::derived_object_msgs::ObjectWithCovarianceArray::md5> {};
 template <>
-struct MD5Sum<radar_dot::costmap_converter::ObstacleArrayMsg> {
-  static const char* value() { return "8a1bdcde72c65ca7d3ce8ebf52d43516"; }
-  static const char* value(const radar_dot::costmap_converter::ObstacleArrayMsg& /*message*/) {
-    return value();
-  }
-};
+struct DataType<radar_dot::derived_object_msgs::ObjectWithCovarianceArray>
+    : radar_dot::MessageText<radar_dot::derived_object_msgs::ObjectWithCovarianceArray,
+                             &radar_dot::derived_object_msgs::ObjectWithCovarianceArray::dataType> {};
+template <>
+struct Definition<radar_dot::derived_object_msgs::ObjectWithCovarianceArray>
+    : radar_dot::MessageText<radar_dot::derived_object_msgs::ObjectWithCovarianceArray,
+                             &radar_dot::derived_object_msgs::ObjectWithCovarianceArray::definition> {};
 
 template <>
-struct DataType<radar_dot::derived_object_msgs::ObjectWithCovarianceArray> {
-  static const char* value() { return "derived_object_msgs/ObjectWithCovarianceArray"; }
-  static const char* value(const radar_dot::derived_object_msgs::ObjectWithCovarianceArray& /*message*/) {
-    return value();
-  }
-};
+struct MD5Sum<radar_dot::costmap_converter::ObstacleArrayMsg>
+    : radar_dot::MessageText<radar_dot::costmap_converter::ObstacleArrayMsg,
+                             &radar_dot::costmap_converter::ObstacleArrayMsg::md5> {};
 template <>
-struct DataType<radar_dot::costmap_converter::ObstacleArrayMsg> {
-  static const char* value() { return "costmap_converter/ObstacleArrayMsg"; }
-  static const char* value(const radar_dot::costmap_converter::ObstacleArrayMsg& /*message*/) {
-    return value();
-  }
-};
-
-/// Of the message and, once each, of all that it is made of.
+struct DataType<radar_dot::costmap_converter::ObstacleArrayMsg>
+    : radar_dot::MessageText<radar_dot::costmap_converter::ObstacleArrayMsg,
+                             &radar_dot::costmap_converter::ObstacleArrayMsg::dataType> {};
 template <>
-struct Definition<radar_dot::derived_object_msgs::ObjectWithCovarianceArray> {
-  static const char* value();
-  static const char* value(const radar_dot::derived_object_msgs::ObjectWithCovarianceArray& /*message*/) {
-    return value();
-  }
-};
-template <>
-struct Definition<radar_dot::costmap_converter::ObstacleArrayMsg> {
-  static const char* value();
-  static const char* value(const radar_dot::costmap_converter::ObstacleArrayMsg& /*message*/) {
-    return value();
-  }
-};
+struct Definition<radar_dot::costmap_converter::ObstacleArrayMsg>
+    : radar_dot::MessageText<radar_dot::costmap_converter::ObstacleArrayMsg,
+                             &radar_dot::costmap_converter::ObstacleArrayMsg::definition> {};
 
 }  // namespace message_traits
 

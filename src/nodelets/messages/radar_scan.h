@@ -8,6 +8,8 @@
 
 #include <vector>
 
+#include "nodelets/messages/message_text.h"
+
 // The message radar_msgs/RadarScan, for builds without the package radar_msgs.
 
 namespace radar_dot::radar_msgs {
@@ -23,33 +25,10 @@ struct RadarReturn {
 struct RadarScan {
   std_msgs::Header header;
   std::vector<RadarReturn> returns;
-};
 
-}  // namespace radar_dot::radar_msgs
-
-namespace ros {
-namespace message_traits {
-
-template <>
-struct IsFixedSize<radar_dot::radar_msgs::RadarReturn> : TrueType {};
-template <>
-struct IsSimple<radar_dot::radar_msgs::RadarReturn> : TrueType {};
-template <>
-struct HasHeader<radar_dot::radar_msgs::RadarScan> : TrueType {};
-
-template <>
-struct MD5Sum<radar_dot::radar_msgs::RadarScan> {
-  static const char* value() { return "6dfacef1e665538dbd8e159d5ce7a97a"; }
-  static const char* value(const radar_dot::radar_msgs::RadarScan& /*message*/) { return value(); }
-};
-template <>
-struct DataType<radar_dot::radar_msgs::RadarScan> {
-  static const char* value() { return "radar_msgs/RadarScan"; }
-  static const char* value(const radar_dot::radar_msgs::RadarScan& /*message*/) { return value(); }
-};
-template <>
-struct Definition<radar_dot::radar_msgs::RadarScan> {
-  static const char* value() {
+  static const char* md5() { return "6dfacef1e665538dbd8e159d5ce7a97a"; }
+  static const char* dataType() { return "radar_msgs/RadarScan"; }
+  static const char* definition() {
     return "std_msgs/Header header\n"
            "radar_msgs/RadarReturn[] returns\n"
            "================================================================================\n"
@@ -65,8 +44,31 @@ struct Definition<radar_dot::radar_msgs::RadarScan> {
            "float32 doppler_velocity\n"
            "float32 amplitude\n";
   }
-  static const char* value(const radar_dot::radar_msgs::RadarScan& /*message*/) { return value(); }
 };
+
+}  // namespace radar_dot::radar_msgs
+
+namespace ros {
+namespace message_traits {
+
+template <>
+struct IsFixedSize<radar_dot::radar_msgs::RadarReturn> : TrueType {};
+template <>
+struct IsSimple<radar_dot::radar_msgs::RadarReturn> : TrueType {};
+template <>
+struct HasHeader<radar_dot::radar_msgs::RadarScan> : TrueType {};
+
+template <>
+struct MD5Sum<radar_dot::radar_msgs::RadarScan>
+    : radar_dot::MessageText<radar_dot::radar_msgs::RadarScan, &radar_dot::radar_msgs::RadarScan::md5> {};
+template <>
+struct DataType<radar_dot::radar_msgs::RadarScan>
+    : radar_dot::MessageText<radar_dot::radar_msgs::RadarScan, &radar_dot::radar_msgs::RadarScan::dataType> {
+};
+template <>
+struct Definition<radar_dot::radar_msgs::RadarScan>
+    : radar_dot::MessageText<radar_dot::radar_msgs::RadarScan,
+                             &radar_dot::radar_msgs::RadarScan::definition> {};
 
 }  // namespace message_traits
 
