@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "nodelets/common/process_clock.h"
 #include "nodelets/common/read_parameters.h"
 #include "vision/resize_nearest.h"
 
@@ -92,7 +93,7 @@ void DepthNodelet::clearHistory() {
 }
 
 void DepthNodelet::onImage(LazyImage picture) {
-  const ros::WallTime start = ros::WallTime::now();
+  const ros::WallTime start = ProcessClock::now();
   const std_msgs::Header header = picture.header();
   if (!estimator_) throw std::invalid_argument("no depth: " + server_->error());
   if (!camera_) throw std::invalid_argument("nothing on '" + camera_input_->topic() + "' yet");
@@ -122,18 +123,18 @@ void DepthNodelet::onImage(LazyImage picture) {
   cv::Mat depth = estimator_->estimate(input);
   known_share_ = clean(depth, config_.depth.max_depth);
   const cv::Mat relative_std = wantsUncertainty() ? estimator_->relativeStd(input, depth) : cv::Mat();
-  computation_time_ = (ros::WallTime::now() - start).toSec();
+  computation_time_ = (ProcessClock::now() - start).toSec();
   publish(header, depth, relative_std);
 }
 
 void DepthNodelet::onDepth(const sensor_msgs::ImageConstPtr& message) {
-  const ros::WallTime start = ros::WallTime::now();
+  const ros::WallTime start = ProcessClock::now();
   const cv::Mat given = radar_dot::depthOf(*message);
   const cv::Size grid = workingGrid(given.size(), config_.working_width);
   cv::Mat depth = resizeNearest(given, grid);
   if (depth.data == given.data) depth = given.clone();
   known_share_ = clean(depth, config_.depth.max_depth);
-  computation_time_ = (ros::WallTime::now() - start).toSec();
+  computation_time_ = (ProcessClock::now() - start).toSec();
   publish(message->header, depth,
           wantsUncertainty() ? constantStd(depth, config_.depth.relative_std) : cv::Mat());
 }

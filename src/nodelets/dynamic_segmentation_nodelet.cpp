@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "nodelets/common/process_clock.h"
 #include "vision/resize_nearest.h"
 
 namespace radar_dot {
@@ -194,10 +195,10 @@ void DynamicSegmentationNodelet::segment(const Inputs& inputs) {
     warn("camera", "camera_info on '" + camera_input_->topic() +
                        "' has distortion: the images must be rectified (image_proc)");
   }
-  const ros::WallTime start = ros::WallTime::now();
+  const ros::WallTime start = ProcessClock::now();
   const MaskOutcome outcome = pipeline_.process(inputs.pair);
   const MotionResult& result = outcome.result;
-  computation_time_ = (ros::WallTime::now() - start).toSec();
+  computation_time_ = (ProcessClock::now() - start).toSec();
   publish(inputs, outcome);
   if (config_.looksBack() && !outcome.looked_back) ++without_past_since_report_;
 

@@ -6,12 +6,12 @@
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <pluginlib/class_list_macros.hpp>
 #include <set>
 #include <utility>
 
+#include "nodelets/common/process_clock.h"
 #include "nodelets/messages/cloud_conversion.h"
 #include "nodelets/messages/ego_messages.h"
 #include "radar_dot/EgoStatus.h"
@@ -64,10 +64,9 @@ void EgoVelocityNodelet::started() {
   if (const std::string reason = disabledBy(); !reason.empty())
     NODELET_ERROR("%s: %s", getName().c_str(), reason.c_str());
   if (rotation_source_) rotation_source_->start();
-  silence_timer_ =
-      getNodeHandle().createWallTimer(ros::WallDuration(kStartTimeout), [this](const ros::WallTimerEvent&) {
-        if (warnOfSilentRadars()) silence_timer_.stop();
-      });
+  silence_timer_ = ProcessTimer(getNodeHandle(), kStartTimeout, [this] {
+    if (warnOfSilentRadars()) silence_timer_.stop();
+  });
 }
 
 void EgoVelocityNodelet::setUpMasks() {
@@ -263,7 +262,7 @@ std::optional<Eigen::Isometry3d> EgoVelocityNodelet::findMount(Radar& radar, con
 }
 
 double EgoVelocityNodelet::missingFor(const std::string& frame) {
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::WallTime now = ProcessClock::now();
   if (mount_missing_since_.size() > kMaxMissingMounts) mount_missing_since_.clear();
   return (now - mount_missing_since_.try_emplace(frame, now).first->second).toSec();
 }
@@ -321,10 +320,9 @@ void EgoVelocityNodelet::processSweep(const Sweep& sweep) {
   const ros::Time stamp = sweep.scans[sweep.newest].reading->header.stamp;
   const std::optional<AngularVelocity> rotation =
       rotation_source_ ? rotation_source_->rateAt(stamp) : std::nullopt;
-  const auto start = std::chrono::steady_clock::now();
+  const ros::WallTime start = ProcessClock::now();
   const SweepEstimate estimate = estimator_.estimate(scans, sweep.time(), rotation);
-  const double computation_time =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double computation_time = (ProcessClock::now() - start).toSec();
   const EgoVelocityResult& result = estimate.single;
   estimator_monitor_->estimate(stamp, ros::Time::now(), result, computation_time);
   compare(sweep, scans, result, rotation);

@@ -95,7 +95,7 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
       dynamic_publisher_;
   std::unique_ptr<EstimatorMonitor> estimator_monitor_;
   std::unique_ptr<tf2_ros::StaticTransformBroadcaster> mount_broadcaster_;
-  ros::WallTimer silence_timer_;
+  ProcessTimer silence_timer_;
 };
 
 }  // namespace radar_dot

@@ -7,6 +7,7 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
 
+#include "nodelets/common/process_clock.h"
 #include "nodelets/common/read_parameters.h"
 #include "radar_dot/objects/object_detection.h"
 
@@ -105,7 +106,7 @@ void MovingObjectsNodelet::deleteMarkers() {
 
 void MovingObjectsNodelet::drop(const std::string& reason) {
   // The first scans come before odometry and velocity.
-  if ((ros::WallTime::now() - first_scan_).toSec() < kStartTimeout) return;
+  if ((ProcessClock::now() - first_scan_).toSec() < kStartTimeout) return;
   ++dropped_;
   ++dropped_since_report_;
   drop_reason_ = reason;
@@ -114,7 +115,7 @@ void MovingObjectsNodelet::drop(const std::string& reason) {
 
 void MovingObjectsNodelet::onCloud(const sensor_msgs::PointCloud2& cloud, ReturnLabel label) {
   scans_.add(cloud, label, Moment::now());
-  if (first_scan_.isZero()) first_scan_ = ros::WallTime::now();
+  if (first_scan_.isZero()) first_scan_ = ProcessClock::now();
   processQueue();
 }
 
@@ -159,7 +160,7 @@ std::optional<Eigen::Isometry3d> MovingObjectsNodelet::poseAt(const ros::Time& t
 }
 
 void MovingObjectsNodelet::processQueue() {
-  const ros::WallTime start = ros::WallTime::now();
+  const ros::WallTime start = ProcessClock::now();
   const std::vector<LabelledScan> ready = scans_.take(config_.pairing_timeout, Moment::now());
   for (const LabelledScan& scan : ready) {
     std::string reason;
@@ -181,7 +182,7 @@ void MovingObjectsNodelet::processQueue() {
                      "' with frame and stamp of the cloud on '" +
                      (scan.still ? static_input_ : dynamic_input_)->topic() + "'; used alone");
   }
-  if (!ready.empty()) computation_time_ = (ros::WallTime::now() - start).toSec();
+  if (!ready.empty()) computation_time_ = (ProcessClock::now() - start).toSec();
   // One message for the scans of a sweep, once all are in; a scan that lacks a cloud must not hold up all
   // others.
   const double ahead = newest_.toSec() - published_.toSec();

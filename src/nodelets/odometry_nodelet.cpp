@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "nodelets/common/process_clock.h"
 #include "nodelets/messages/ego_messages.h"
 
 namespace radar_dot {
@@ -92,12 +93,12 @@ void OdometryNodelet::onTf(const ros::MessageEvent<const tf2_msgs::TFMessage>& e
     if (withoutSlash(transform.child_frame_id) != extrinsics_->baseFrame()) continue;
     const bool holds = event.getConnectionHeader().at("topic") == "/tf_static";
     tf_rival_ = event.getPublisherName();
-    tf_rival_holds_until_ = ros::WallTime::now() + ros::WallDuration(holds ? kForever : kRivalMemory);
+    tf_rival_holds_until_ = ProcessClock::now() + ros::WallDuration(holds ? kForever : kRivalMemory);
   }
 }
 
 std::string OdometryNodelet::tfConflict() const {
-  if (ros::WallTime::now() > tf_rival_holds_until_) return "";
+  if (ProcessClock::now() > tf_rival_holds_until_) return "";
   return tf_rival_ + " publishes the transform to '" + extrinsics_->baseFrame() +
          "' as well: one of the two must not (" + nameOf(config_, config_.publish_tf) + ": false)";
 }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "nodelets/common/process_clock.h"
 #include "nodelets/common/read_parameters.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "radar_dot/vision/rigid_motion.h"
@@ -50,9 +51,8 @@ void OpticalFlowNodelet::setUp() {
   listenToTwists(*motion_, {true, wanted, [this] { motion_->forget(); }});
   publisher_ = handle.advertise<Flow>("flow", 3);
   backward_publisher_ = handle.advertise<Flow>("flow/backward", 3);
-  compute_timer_ = handle.createWallTimer(
-      ros::WallDuration(kNext),
-      [this](const ros::WallTimerEvent&) { guard(*image_, [this] { processQueue(); }); }, true, false);
+  compute_timer_ = ProcessTimer(
+      handle, kNext, [this] { guard(*image_, [this] { processQueue(); }); }, ProcessTimer::Kind::kOnce);
 }
 
 bool OpticalFlowNodelet::hasAudience() const {
@@ -105,9 +105,7 @@ void OpticalFlowNodelet::scheduleQueue(double delay) {
   if (!waiting_) return;
   // Its callback lines up behind what is in the queue: images that wait there already make a later pair, and
   // that is the one to work on.
-  compute_timer_.stop();
-  compute_timer_.setPeriod(ros::WallDuration(delay));
-  compute_timer_.start();
+  compute_timer_.restart(delay);
 }
 
 cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool within_timeout, std::string& missing) {
@@ -168,7 +166,7 @@ void OpticalFlowNodelet::processQueue() {
 
 void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
   if (!flow_) throw std::invalid_argument("no optical flow: " + server_->error());
-  const ros::WallTime start = ros::WallTime::now();
+  const ros::WallTime start = ProcessClock::now();
   const cv::Mat& first = pair.first->pixels();
   const std_msgs::Header& first_header = pair.first->header();
   const std_msgs::Header& second_header = pair.second->header();
@@ -178,7 +176,7 @@ void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
     backward_publisher_.publish(
         flowMessage(second_header, first_header.stamp, backwardField(field, config_.flow), first.size()));
   }
-  computation_time_ = (ros::WallTime::now() - start).toSec();
+  computation_time_ = (ProcessClock::now() - start).toSec();
   publisher_.publish(flowMessage(first_header, second_header.stamp, field, first.size()));
   latency_ =
       ros::Time::now().toSec() - std::max(pair.first->header().stamp, pair.second->header().stamp).toSec();

@@ -52,7 +52,7 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
 
   InputMonitor *image_ = nullptr, *depth_input_ = nullptr, *camera_input_ = nullptr;
   ros::Publisher publisher_, backward_publisher_;
-  ros::WallTimer compute_timer_;
+  ProcessTimer compute_timer_;
 
   double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;  // s, of the latest pair
   std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0;

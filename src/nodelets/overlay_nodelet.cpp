@@ -6,6 +6,8 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <utility>
 
+#include "nodelets/common/process_clock.h"
+
 namespace radar_dot {
 namespace {
 
@@ -79,7 +81,7 @@ void OverlayNodelet::keepImage(LazyImage picture) {
 }
 
 void OverlayNodelet::onMask(const sensor_msgs::ImageConstPtr& mask) {
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::WallTime now = ProcessClock::now();
   if (config_.max_rate > 0.0 && (now - last_drawn_).toSec() < 1.0 / config_.max_rate) return;
   last_drawn_ = now;
   waiting_.add(mask, Moment::now());
@@ -160,7 +162,7 @@ std::vector<RadarPixel> OverlayNodelet::radarPixels(const std_msgs::Header& head
 
 void OverlayNodelet::draw(const sensor_msgs::ImageConstPtr& message, const Parts& parts) {
   if (!parts.image) return;  // there is nothing to draw on
-  const ros::WallTime start = ros::WallTime::now();
+  const ros::WallTime start = ProcessClock::now();
   const std_msgs::Header& header = message->header;
   // The masks stay in their messages, which outlive this function.
   const DecodedImage mask = decodedImageOf(message);
@@ -184,7 +186,7 @@ void OverlayNodelet::draw(const sensor_msgs::ImageConstPtr& message, const Parts
     input.panel = {config_.panel_width, static_cast<int>(std::lround(config_.panel_width * kPanelShape))};
     panels_publisher_.publish(imageMessage(header, "bgr8", sixPanel(input)));
   }
-  drawing_time_ = (ros::WallTime::now() - start).toSec();
+  drawing_time_ = (ProcessClock::now() - start).toSec();
   ++drawn_;
 }
 

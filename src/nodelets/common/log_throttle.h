@@ -9,6 +9,8 @@
 #include <map>
 #include <string>
 
+#include "nodelets/common/process_clock.h"
+
 namespace radar_dot {
 
 /// Lets one log line through per subject, kind and period. The macros of rosconsole throttle per
@@ -20,7 +22,7 @@ class LogThrottle {
   /// True when nothing of this kind was let through for `subject` within the period (wall time, s).
   /// The kind is `text` without its figures and quoted names: these come from messages and vary.
   bool allow(const std::string& subject, const std::string& text) {
-    const ros::WallTime now = ros::WallTime::now();
+    const ros::WallTime now = ProcessClock::now();
     if (last_.size() >= kPruneAt) prune(now);
     const auto [entry, fresh] = last_.try_emplace(subject + '\n' + kindOf(text), now);
     if (!fresh && now - entry->second < period_) return false;

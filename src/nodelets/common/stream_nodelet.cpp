@@ -30,8 +30,7 @@ std::recursive_mutex& oneAtATime() {
 
 void StreamNodelet::onInit() {
   // This is the loader's thread, while the queue is served already: the set-up goes there.
-  timer_ = getNodeHandle().createWallTimer(
-      ros::WallDuration(kPeriod), [this](const ros::WallTimerEvent&) { started_ ? look() : start(); });
+  timer_ = ProcessTimer(getNodeHandle(), kPeriod, [this] { started_ ? look() : start(); });
 }
 
 void StreamNodelet::start() {
@@ -41,10 +40,9 @@ void StreamNodelet::start() {
     complete_ = attempt([this] { setUpAll(); });
   }
   if (!diagnostics_) return;
-  // Wall time: the updater's own timing stops when a bag starts again.
-  diagnostics_timer_ =
-      getNodeHandle().createWallTimer(ros::WallDuration(std::max(kPeriod, diagnostics_->getPeriod())),
-                                      [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); });
+  // Not by the updater's own timing, which stops when a bag starts again.
+  diagnostics_timer_ = ProcessTimer(getNodeHandle(), std::max(kPeriod, diagnostics_->getPeriod()),
+                                    [this] { diagnostics_->force_update(); });
   look();
 }
 

@@ -16,6 +16,7 @@
 
 #include "nodelets/common/log_throttle.h"
 #include "nodelets/common/monitors.h"
+#include "nodelets/common/process_clock.h"
 #include "nodelets/common/reconfigure_server.h"
 #include "nodelets/inputs/extrinsics.h"
 #include "nodelets/messages/lazy_image.h"
@@ -118,9 +119,9 @@ class StreamNodelet : public nodelet::Nodelet {
   /// Subscribes what is wanted now, and only that.
   void updateInputs();
 
-  void noteOutput() { last_output_ = ros::WallTime::now(); }
+  void noteOutput() { last_output_ = ProcessClock::now(); }
   /// s since the latest output, or since there is an audience.
-  double withoutOutput() const { return (ros::WallTime::now() - last_output_).toSec(); }
+  double withoutOutput() const { return (ProcessClock::now() - last_output_).toSec(); }
   const StreamExpectation& expectation() const noexcept { return expectation_; }  ///< of inputs
   /// s without a message, after which something is wrong.
   double silentAfter() const noexcept { return expectation_.silent_after; }
@@ -165,7 +166,7 @@ class StreamNodelet : public nodelet::Nodelet {
   ClockWatch clock_;
   std::vector<std::string> problems_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
-  ros::WallTimer timer_, diagnostics_timer_;
+  ProcessTimer timer_, diagnostics_timer_;
   bool started_ = false, complete_ = false, connected_ = false;
   ros::WallTime last_output_;
 };

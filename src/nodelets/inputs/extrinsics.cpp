@@ -6,11 +6,14 @@
 
 #include <mutex>
 
+#include "nodelets/common/process_clock.h"
+
 namespace radar_dot {
 namespace {
 
 struct ReceivedTransforms {
-  explicit ReceivedTransforms(const ros::NodeHandle& handle) : listener(buffer, handle, true) {}
+  explicit ReceivedTransforms(const ros::NodeHandle& handle)
+      : listener(buffer, handle, !ProcessClock::isRecorded()) {}
   tf2_ros::Buffer buffer;
   tf2_ros::TransformListener listener;
 };

@@ -19,8 +19,8 @@ namespace radar_dot {
 class Extrinsics {
  public:
   /// @param base_frame  frame the mounts are given in
-  /// @param handle      for the names of /tf and /tf_static; its callback queue is not used: TF is received
-  ///                    in a thread of its own
+  /// @param handle      for the names of /tf and /tf_static; its callback queue is not used, except in a
+  ///                    recording: TF is received in a thread of its own
   Extrinsics(const std::string& base_frame, const ros::NodeHandle& handle);
 
   /// T_base_from_sensor; none, and `error`, when TF knows no way between the two frames.

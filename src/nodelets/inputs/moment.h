@@ -4,6 +4,8 @@
 
 #include <ros/time.h>
 
+#include "nodelets/common/process_clock.h"
+
 namespace radar_dot {
 
 /// A moment on both clocks, s. What waits counts both: the data it waits for come by the clock of ROS, which
@@ -16,7 +18,7 @@ struct Moment {
   /// is longer than this many times its timeout in wall time. A replay can be slower by this factor.
   static constexpr double kSlowest = 20.0;
 
-  static Moment now() { return {ros::Time::now().toSec(), ros::WallTime::now().toSec()}; }
+  static Moment now() { return {ros::Time::now().toSec(), ProcessClock::now().toSec()}; }
 
   /// True while what arrived at this moment still waits.
   bool waits(double timeout, const Moment& now) const {
