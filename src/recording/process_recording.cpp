@@ -130,11 +130,10 @@ class Processing {
         output_(arguments.output, arguments.compression, arguments.force),
         graph_(nodelets, input_.begin()) {}
 
-  void run() {
+  void run(const radar_dot::tools::SignalWatch& signals) {
     chooseOutputs();
     const std::vector<std::string> heard = graph_.start();
     const std::vector<std::string> topics = topicsToRead(heard);
-    const radar_dot::tools::SignalWatch signals;
     radar_dot::tools::ProgressBar bar(std::filesystem::path(arguments_.output).filename().string(), "s",
                                       !arguments_.quiet);
     const double length = (input_.end() - input_.begin()).toSec();
@@ -280,13 +279,14 @@ int main(int argc, char** argv) {
   command_line.require("output");
   if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;
   return command_line.run("no bag is left behind", [&] {
+    const radar_dot::tools::SignalWatch signals;
     ros::init(ros::M_string{}, "process_bag",
               ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
     XmlRpc::XmlRpcValue nodelets;
     ros::param::get("/process_bag/nodelets", nodelets);
     const auto start = std::chrono::steady_clock::now();
     Processing processing(arguments, nodeletsOf(nodelets));
-    processing.run();
+    processing.run(signals);
     const std::uintmax_t bytes = processing.commit();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!arguments.quiet) processing.printSummary(bytes, seconds);
