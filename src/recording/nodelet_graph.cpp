@@ -85,8 +85,8 @@ void NodeletGraph::advanceTo(const ros::Time& time) {
   ProcessClock::advanceTo(time, [this] { drain(); });
 }
 
-void NodeletGraph::take(const rosbag::MessageInstance& message) {
-  advanceTo(message.getTime());
+void NodeletGraph::take(const rosbag::MessageInstance& message, const ros::Time& time) {
+  advanceTo(time);
   ros::Publisher& publisher = inputs_[message.getTopic()];
   if (!publisher) {
     ros::AdvertiseOptions options(message.getTopic(), 0, message.getMD5Sum(), message.getDataType(),

@@ -48,8 +48,8 @@ class NodeletGraph {
   /// Whether something listens to the topic now.
   bool isWanted(const std::string& topic) const;
 
-  /// Lets time pass until that of the message, then gives it to the nodelets.
-  void take(const rosbag::MessageInstance& message);
+  /// Lets time pass until `time`, then gives the message to the nodelets.
+  void take(const rosbag::MessageInstance& message, const ros::Time& time);
   void advanceTo(const ros::Time& time);
 
  private:

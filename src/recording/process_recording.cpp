@@ -36,6 +36,8 @@ using radar_dot::bag::BagInput;
 using radar_dot::recording::NodeletEntry;
 using radar_dot::recording::NodeletGraph;
 
+const std::string kMounts = "/tf_static";
+
 constexpr double kStart = 2.0;       // s until everything has come once
 constexpr double kAfterwards = 1.0;  // s of silence, for what still waits
 
@@ -137,12 +139,19 @@ class Processing {
     radar_dot::tools::ProgressBar bar(std::filesystem::path(arguments_.output).filename().string(), "s",
                                       !arguments_.quiet);
     const double length = (input_.end() - input_.begin()).toSec();
+    // Mounts hold for all of the recording, whenever they were sent.
+    input_.read({kMounts}, [this](const rosbag::MessageInstance& message) { take(message, input_.begin()); });
     input_.read(
-        topics, [this](const rosbag::MessageInstance& message) { take(message); },
+        topics,
+        [this](const rosbag::MessageInstance& message) {
+          if (!together_.empty() && message.getTime() != together_.front().getTime()) takeTogether();
+          together_.push_back(message);
+        },
         [&](double done) {
           signals.check();
           bar.update(static_cast<std::size_t>(std::max(0.0, done)), static_cast<std::size_t>(length) + 1);
         });
+    takeTogether();
     graph_.advanceTo(input_.end() + ros::Duration(kAfterwards));
     reportMissing(heard);
   }
@@ -227,7 +236,7 @@ class Processing {
       const bool is_heard = std::find(heard.begin(), heard.end(), topic) != heard.end();
       if (isOurs(topic))
         ours.push_back(topic);
-      else if (is_heard || !isBulky(type))
+      else if (topic != kMounts && (is_heard || !isBulky(type)))
         topics.push_back(topic);
     }
     if (!ours.empty()) {
@@ -241,14 +250,21 @@ class Processing {
 
   /// Transforms and diagnostics come from many sides.
   bool isOurs(const std::string& topic) const {
-    return graph_.outputs().count(topic) > 0 && topic != "/tf" && topic != "/tf_static" &&
-           topic != "/diagnostics";
+    return graph_.outputs().count(topic) > 0 && topic != "/tf" && topic != kMounts && topic != "/diagnostics";
   }
 
-  void take(const rosbag::MessageInstance& message) {
-    if (message.getTopic() != "/diagnostics") graph_.take(message);
+  /// Of messages of one time those come first that say how to read the others.
+  void takeTogether() {
+    for (const bool is_bulky : {false, true})
+      for (const rosbag::MessageInstance& message : together_)
+        if (isBulky(message.getDataType()) == is_bulky) take(message, message.getTime());
+    together_.clear();
+  }
+
+  void take(const rosbag::MessageInstance& message, const ros::Time& time) {
+    if (message.getTopic() != "/diagnostics") graph_.take(message, time);
     if (arguments_.copy && !isBulky(message.getDataType()) && graph_.outputs().count(message.getTopic()) == 0)
-      output_.write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
+      output_.write(message.getTopic(), time, message, message.getConnectionHeader());
   }
 
   void reportMissing(const std::vector<std::string>& heard) {
@@ -265,6 +281,7 @@ class Processing {
   std::map<std::string, std::size_t> counts_;
   Findings findings_;
   std::vector<std::string> missing_;
+  std::vector<rosbag::MessageInstance> together_;  ///< messages of one time
   NodeletGraph graph_;
 };
 
