@@ -212,9 +212,11 @@ class Processing {
   void write(const std::string& topic, bool is_picture,
              const ros::MessageEvent<const NodeletGraph::Output>& event) {
     const NodeletGraph::Output& message = *event.getConstMessage();
-    ++counts_[topic];
-    if (message.getDataType() == "diagnostic_msgs/DiagnosticArray" && isUnderWay(ros::Time::now()))
+    if (message.getDataType() == "diagnostic_msgs/DiagnosticArray") {
+      if (!isUnderWay(ros::Time::now())) return;
       findings_.add(*message.instantiate<diagnostic_msgs::DiagnosticArray>());
+    }
+    ++counts_[topic];
     if (is_picture) {
       const cv_bridge::CvImageConstPtr picture = cv_bridge::toCvShare(
           boost::shared_ptr<sensor_msgs::Image>(message.instantiate<sensor_msgs::Image>()));
