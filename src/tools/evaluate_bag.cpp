@@ -29,6 +29,7 @@ struct Options {
 }  // namespace
 
 int main(int argc, char** argv) {
+  radar_dot::Configuration configuration;  // has no effect here; --config reads reports
   Options options;
   tools::ResultFiles files;
   tools::CommandLine command_line(
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
       {"evaluate_bag out.bag --reference /ground_truth/odom --json result.json",
        "evaluate_bag out.bag gnss.bag --reference /gps/fix --align-time",
        "evaluate_bag foreign.bag --twist /radar/twist --odometry \"\" --reference tf:map:base_link"});
+  command_line.setSections(sectionsOf(configuration));
   command_line.add("", fieldsOf(options));
   command_line.addOutputs("", fieldsOf(files));
   command_line.takeWords("bags");
