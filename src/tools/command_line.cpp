@@ -146,7 +146,12 @@ std::string CommandLine::unknownOption(const std::string& name) const {
 
 std::vector<std::string> CommandLine::wordsOf(int argc, const char* const* argv) const {
   std::vector<std::string> words;
-  for (int i = 1; i < argc; ++i) {
+  int first = 1;
+  std::string leading;
+  for (; !words_.empty() && first < argc && std::strncmp(argv[first], "--", 2) != 0; ++first)
+    append(leading, argv[first], ",");
+  if (!leading.empty()) words = {"--" + words_, leading};
+  for (int i = first; i < argc; ++i) {
     std::string word = argv[i];
     const bool is_option = word.rfind("--", 0) == 0;
     const std::size_t equals = word.find('=');

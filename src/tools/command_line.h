@@ -53,6 +53,8 @@ class CommandLine {
   /// that no report brings back where it was written.
   void addOutputs(const std::string& heading, const FieldList& fields, const FieldFilter& filter = {});
 
+  /// The words before the first option are the items of this list.
+  void takeWords(const std::string& name) { words_ = known(name).name; }
   /// An option that must be given, with a text that is not empty, where the condition holds after reading
   /// all of them (empty: always). `alternative` is the option that takes its place, if there is one.
   void require(const std::string& name, const std::string& alternative = "",
@@ -123,7 +125,7 @@ class CommandLine {
   std::string unknownOption(const std::string& name) const;
   int complain(const std::string& line) const;
 
-  std::string tool_, purpose_;
+  std::string tool_, purpose_, words_;  // words_: option of the leading words
   std::vector<std::string> examples_;
   std::vector<Section> sections_;
   std::vector<Option> options_;

@@ -1,0 +1,31 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "radar_dot/bag/bag_input.h"
+#include "radar_dot/common/fields.h"
+#include "radar_dot/evaluation/motion_comparison.h"
+
+namespace radar_dot::evaluation {
+
+/// What of a recording is compared with what.
+struct RecordingOptions {
+  std::string twist = "/ego/twist", odometry = "/odom", reference;
+  std::string estimate_frame, reference_frame;
+  std::string masks = "/dynamic/mask", mask_truth = "/ground_truth/dynamic_mask/compressed";
+  ComparisonOptions comparison;
+  void describe(FieldList& fields);
+};
+
+/// Evaluates a recording. What is doubtful is told to `warn`.
+/// @throws InvalidParameter for a topic that is not in the recording or not of a fitting type, with those
+/// that are;
+///         std::runtime_error where nothing can be compared
+MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOptions& options,
+                               const std::function<void(const std::string&)>& warn,
+                               const std::function<void(double)>& progress = {});
+
+}  // namespace radar_dot::evaluation
