@@ -191,7 +191,7 @@ class Returns:
         for i, name in enumerate(("x", "y", "z", residual)):
             part[:, 2 + i] = points[name] if name in wanted else 0.0
         part[:, 6] = dynamic
-        self.parts.append(part)
+        self.parts.append(part[np.isfinite(part).all(axis=1)])
 
     def finish(self):
         self.rows = np.concatenate(self.parts) if self.parts else np.empty((0, 7))

@@ -169,7 +169,7 @@ def snapshot(content):
     axis = axes[0, 0]
     points(axis, xy[now], content.returns.rows[now, 6], 3.2)
     objects = content.objects.rows[content.objects.rows[:, 0] == time]
-    if len(objects):
+    if len(objects) and (content.objects.frame == content.motion.base_frame or len(content.motion.poses) > 1):
         at, speed = objects[:, 2:4], objects[:, 4:6]
         if content.objects.frame != content.motion.base_frame:
             x, y, yaw = content.motion.poses.at(time, angles=(2,))
