@@ -179,11 +179,12 @@ def snapshot(content):
         axis.plot(*at.T, "o", markersize=9, markerfacecolor="none", markeredgecolor=OBJECT, markeredgewidth=1.6,
                   label="tracked objects")
         nearest = np.argsort(np.hypot(*at.T))[:MOST_LABELS]
-        for identity, (x, y), (vx, vy) in zip(objects[nearest, 1], at[nearest], speed[nearest]):
-            axis.annotate(f"#{identity:.0f} {np.hypot(vx, vy):.1f} m/s", (x, y), xytext=(7, 7),
+        for rank, i in enumerate(nearest[np.argsort(at[nearest, 0])]):  # in turn above and below
+            axis.annotate(f"#{objects[i, 1]:.0f} {np.hypot(*speed[i]):.1f} m/s", at[i], xytext=(7, (9, -16)[rank % 2]),
                           textcoords="offset points", color=OBJECT, fontsize=8.5, clip_on=True)
     axis.plot([0], [0], marker=(3, 0, -90), color=ESTIMATE, markersize=13, linestyle="none", label="own vehicle")
-    seen = np.clip(np.percentile(xy[now], (5, 95), axis=0), -AROUND, AROUND)
+    limit = np.array([0.8 * AROUND, 0.4 * AROUND])  # as the figure is wide and low
+    seen = np.clip(np.percentile(xy[now], (5, 95), axis=0), -limit, limit)
     square(axis, np.concatenate([seen, [[0.0, 0.0]]]), "ahead (m)", "to the left (m)")
     axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return finished(drawn)
