@@ -14,7 +14,7 @@ COVARIANCE_INDICES = (0, 7, 35)  # of the components in the covariance of a twis
 AGED = ("ego/twist", "odom", "radar/static", "dynamic/objects", "dynamic/mask")
 REFERENCE = "/ground_truth/odom"
 FIELD_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
-EXACT_AGE = 1e-6  # s: what is younger bears its stamp as time of recording
+EXACT_AGE = 1e-6  # s
 
 
 def yaw_of(q):
@@ -191,7 +191,7 @@ class Returns:
         for i, name in enumerate(("x", "y", "z", residual)):
             part[:, 2 + i] = points[name] if name in wanted else 0.0
         part[:, 6] = dynamic
-        self.parts.append(part)
+        self.parts.append(part[np.isfinite(part).all(axis=1)])
 
     def finish(self):
         self.rows = np.concatenate(self.parts) if self.parts else np.empty((0, 7))
@@ -331,7 +331,9 @@ class Content:
         if len(self.motion.twists) < 2:
             raise ReportError(f"{recording.title()}: fewer than two twists on {recording.topic('ego/twist')}")
         self.mounts = {frame: self.frames.mount(self.motion.base_frame, frame) for frame in self.returns.frames}
-        self.ages = {name: ages for name in AGED if recording.has(name) for ages in [self.ages_of(name)] if len(ages)}
+        self.ages = {name: self.ages_of(name) for name in AGED if recording.has(name)}
+        if not is_live(self.ages["ego/twist"]):
+            self.ages = {}
 
     def find_reference(self, given):
         kinds = ("nav_msgs/Odometry", "geometry_msgs/TwistStamped", "geometry_msgs/TwistWithCovarianceStamped")
@@ -344,13 +346,16 @@ class Content:
         return topic
 
     def ages_of(self, name):
-        """s from each stamp to the recording of its message; empty where those are the same (offline) or a day apart."""
-        ages = np.array([time - stamp for stamp, time in self.recording.stamps(name)])
-        known = len(ages) and EXACT_AGE < np.abs(ages).max() and abs(np.median(ages)) < 86400
-        return ages if known else ages[:0]
+        """s from each stamp to the recording of its message."""
+        return np.array([time - stamp for stamp, time in self.recording.stamps(name)])
 
     def radar_name(self, frame):
         return next((name for name, radar in self.health.radars.items() if radar["frame"] == frame), frame)
+
+
+def is_live(ages):
+    """Twists that are recorded at their very stamps are of offline processing, and with clocks a day apart none tell."""
+    return EXACT_AGE < np.abs(ages).max() and abs(np.median(ages)) < 86400
 
 
 def no_twist(recording):

@@ -199,14 +199,14 @@ class Page:
                 last = series[-1]
                 rows.append([escaped(name), escaped(radar["frame"]), decimals(median[2], 1), decimals(median[3], 0),
                              decimals(median[4], 0), decimals(median[0], 0, 100), decimals(median[1], 3),
-                             f"{decimals(last[5], 1, 1e3)} &plusmn; {decimals(last[6], 1, 1e3)}",
-                             f"{decimals(last[7], 1, 1e3)} &plusmn; {decimals(last[8], 1, 1e3)}"])
+                             *(f"{decimals(yaw, 1, 1e3)} &plusmn; {decimals(sigma, 1, 1e3)}" if np.isfinite(sigma)
+                               else "–" for yaw, sigma in (last[5:7], last[7:9]))])
             parts.append(table(["radar", "frame", "Hz", "returns", "accepted", "inliers (%)", "residual (m/s)",
                                 "yaw correction (mrad)", "learnt yaw (mrad)"], rows, range(2, 9)))
             parts.append('<p class="note">Medians over the drive; yaws as last reported, with 1&sigma;: what the returns '
-                         "say the mount is turned by against the others, and what the filter has learnt of it.</p>")
-            parts.append(figure(plots.radars(content), "A yaw correction that stays away from zero by more than its band "
-                                "is a mount that is turned, and so is a radar with fewer inliers than the others.",
+                         "say the mount is turned by against the other radars, and what the filter has learnt of it.</p>")
+            parts.append(figure(plots.radars(content), "A radar with fewer inliers than the others, or with a yaw correction "
+                                "that stays away from zero by more than its band, has a turned mount.",
                                 "yaw corrections and inliers over time"))
         else:
             self.lack("Mounts and inliers of each radar", "/diagnostics")
@@ -261,11 +261,11 @@ class Page:
     def latency(self):
         ages = self.content.ages
         if not ages:
-            self.missing.append("<li>Latency: the outputs bear the time of their recording, as in offline processing"
+            self.missing.append("<li>Latency: the outputs are recorded at their own stamps, as in offline processing"
                                 "</li>")
             return
         rows = [[escaped(name), len(values), *(decimals(np.percentile(values, q), 1, 1e3) for q in (50, 95, 100))]
-                for name, values in ages.items()]
+                for name, values in ages.items() if len(values)]
         self.add("latency", "Latency", table(["output", "messages", "median (ms)", "95 % (ms)", "largest (ms)"], rows,
                                              range(1, 5)),
                  figure(plots.ages(self.content), "Time from the stamp of the measurement to the recording of the output "

@@ -17,6 +17,7 @@ RADARS = ("#1f5fa8", "#d9730d", "#2e7d32", "#8e44ad", "#c2185b", "#00838f", "#6d
 WIDTH = 10.0  # inches, of all figures
 MOST_POINTS = 40000  # drawn in one figure
 AROUND = 60.0  # m, seen around the path and the vehicle
+MOST_LABELS = 8  # of objects
 MOST_ROWS = 6000  # of a line
 STYLE = {"font.size": 9.5, "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": "#8c959f",
          "axes.labelcolor": "#24292f", "xtick.color": "#57606a", "ytick.color": "#57606a", "axes.grid": True,
@@ -132,7 +133,7 @@ def surroundings(content):
     axis.plot(*thinned(poses.rows[:, :2], MOST_ROWS).T, color=ESTIMATE, linewidth=2, label="own path")
     tracks = object_tracks(content)
     for i, track in enumerate(tracks):
-        axis.plot(track[:, 0], track[:, 1], color=OBJECT, linewidth=1.6, label=None if i else "tracked objects")
+        axis.plot(track[:, 0], track[:, 1], color=OBJECT, linewidth=1.3, label=None if i else "tracked objects")
     square(axis, np.concatenate([poses.rows[:, :2] - AROUND, poses.rows[:, :2] + AROUND]), "x (m)", "y (m)")
     axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), markerscale=3)
     return finished(drawn)
@@ -168,7 +169,7 @@ def snapshot(content):
     axis = axes[0, 0]
     points(axis, xy[now], content.returns.rows[now, 6], 3.2)
     objects = content.objects.rows[content.objects.rows[:, 0] == time]
-    if len(objects):
+    if len(objects) and (content.objects.frame == content.motion.base_frame or len(content.motion.poses) > 1):
         at, speed = objects[:, 2:4], objects[:, 4:6]
         if content.objects.frame != content.motion.base_frame:
             x, y, yaw = content.motion.poses.at(time, angles=(2,))
@@ -177,12 +178,14 @@ def snapshot(content):
         axis.quiver(*at.T, *speed.T, angles="xy", scale_units="xy", scale=1.0, color=OBJECT, width=0.0035)
         axis.plot(*at.T, "o", markersize=9, markerfacecolor="none", markeredgecolor=OBJECT, markeredgewidth=1.6,
                   label="tracked objects")
-        for identity, (x, y), (vx, vy) in zip(objects[:, 1], at, speed):
-            axis.annotate(f"#{identity:.0f} {np.hypot(vx, vy):.1f} m/s", (x, y), xytext=(7, 7),
+        nearest = np.argsort(np.hypot(*at.T))[:MOST_LABELS]
+        for rank, i in enumerate(nearest[np.argsort(at[nearest, 0])]):  # in turn above and below
+            axis.annotate(f"#{objects[i, 1]:.0f} {np.hypot(*speed[i]):.1f} m/s", at[i], xytext=(7, (9, -16)[rank % 2]),
                           textcoords="offset points", color=OBJECT, fontsize=8.5, clip_on=True)
     axis.plot([0], [0], marker=(3, 0, -90), color=ESTIMATE, markersize=13, linestyle="none", label="own vehicle")
-    reach = min(AROUND, np.percentile(np.abs(xy[now]), 90)) * np.array([1.0, 0.5])
-    square(axis, np.array([-reach, reach]), "ahead (m)", "to the left (m)")
+    limit = np.array([0.8 * AROUND, 0.4 * AROUND])  # as the figure is wide and low
+    seen = np.clip(np.percentile(xy[now], (5, 95), axis=0), -limit, limit)
+    square(axis, np.concatenate([seen, [[0.0, 0.0]]]), "ahead (m)", "to the left (m)")
     axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return finished(drawn)
 
@@ -228,21 +231,23 @@ def running_median(x, y, least=15):
 
 
 def radars(content):
-    """What the mounts seem to be turned by, and shares of inliers, over time."""
-    drawn, axes = figure(2, 1, 4.8, sharex=True)
+    """Shares of inliers, and what the mounts seem to be turned by where radars are compared, over time."""
+    compared = any(np.isfinite(radar["series"].rows[:, 6]).any() for radar in content.health.radars.values())
+    drawn, axes = figure(1 + compared, 1, 2.6 + 2.2 * compared, sharex=True)
     for (name, radar), colour in zip(sorted(content.health.radars.items()), RADARS * 9):
         times, rows = radar["series"].times - content.motion.start(), radar["series"].rows
-        if not len(times):
-            continue
-        axes[0, 0].plot(times, 1e3 * rows[:, 5], "o-", color=colour, markersize=3, label=name)
-        axes[0, 0].fill_between(times, 1e3 * (rows[:, 5] - rows[:, 6]), 1e3 * (rows[:, 5] + rows[:, 6]),
-                                color=colour, alpha=0.08, linewidth=0)
-        axes[1, 0].plot(times, 100 * rows[:, 0], "o-", color=colour, markersize=3)
-    axes[0, 0].axhline(0, color="#57606a", linewidth=0.8)
-    axes[0, 0].set_ylabel("yaw correction (mrad)")
-    axes[1, 0].set_ylabel("inliers (%)")
-    axes[1, 0].set_ylim(0, 102)
-    axes[1, 0].set_xlabel("time (s)")
+        axes[0, 0].plot(times, 100 * rows[:, 0], "o-", color=colour, markersize=3, label=name)
+        if compared:
+            yaw, sigma = 1e3 * rows[:, 5], 1e3 * rows[:, 6]
+            axes[1, 0].plot(times, np.where(np.isfinite(sigma), yaw, np.nan), "o-", color=colour, markersize=3)
+            axes[1, 0].fill_between(times, yaw - sigma, yaw + sigma, where=np.isfinite(sigma), color=colour, alpha=0.08,
+                                    linewidth=0)
+    axes[0, 0].set_ylim(0, 102)
+    axes[0, 0].set_ylabel("inliers (%)")
+    if compared:
+        axes[1, 0].axhline(0, color="#57606a", linewidth=0.8)
+        axes[1, 0].set_ylabel("yaw correction (mrad)")
+    axes[-1, 0].set_xlabel("time (s)")
     axes[0, 0].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     drawn.align_ylabels()
     return finished(drawn)
@@ -271,8 +276,9 @@ def sweeps(content):
 
 
 def ages(content):
-    drawn, axes = figure(1, 1, 0.9 + 0.42 * len(content.ages))
-    axis, names = axes[0, 0], list(content.ages)
+    names = [name for name, values in content.ages.items() if len(values)]
+    drawn, axes = figure(1, 1, 0.9 + 0.42 * len(names))
+    axis = axes[0, 0]
     axis.boxplot([1e3 * content.ages[name] for name in names], vert=False, widths=0.55, whis=(5, 95), showfliers=False,
                  patch_artist=True, boxprops={"facecolor": "#dbe7f5", "edgecolor": ESTIMATE},
                  medianprops={"color": ESTIMATE, "linewidth": 2}, whiskerprops={"color": ESTIMATE},

@@ -60,7 +60,7 @@ def odometry(time, vx, x, y, yaw, frame):
 
 
 def cloud(time, residual):
-    rows = np.array([[10.0, y, 0.0, residual] for y in range(-10, 11)], ">f4")
+    rows = np.array([[10.0, y, 0.0, residual] for y in range(-10, 11)] + [[math.nan] * 4], ">f4")
     fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate(("x", "y", "z", "residual"))]
     return stamped(PointCloud2(height=1, width=len(rows), fields=fields, is_bigendian=True, point_step=16,
                                row_step=rows.nbytes, data=rows.tobytes()), time, "radar")
