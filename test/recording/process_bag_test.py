@@ -69,6 +69,12 @@ class ProcessBagTest(unittest.TestCase):
         assert run.returncode == code, run.stdout
         return run.stdout
 
+    def wait_until(self, condition):
+        end = time.time() + PATIENCE
+        while not condition():
+            self.assertLess(time.time(), end)
+            time.sleep(0.02)
+
     def part_of_drive(self, name, keep):
         """A bag with the messages for which keep(topic, time since the start) holds."""
         path = self.path(name)
@@ -134,22 +140,21 @@ class ProcessBagTest(unittest.TestCase):
         launch = ["roslaunch", "-p", port, os.path.join(SOURCE, "launch", "replay.launch"), "bag:=" + short,
                   "config:=" + CONFIG, "rotation_source:=radar", "start_at_source:=false", "delay:=4.0",
                   "rate:=0.1"]  # no answer comes later than the next input
-        core = subprocess.Popen(["rosmaster", "--core", "-p", port], env=environment, stdout=subprocess.DEVNULL,
-                                stderr=subprocess.DEVNULL)
-        record = None
+        quiet = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        started = []
         try:
-            time.sleep(1.0)
-            record = subprocess.Popen(["rosbag", "record", "-q", "-O", live, "/ego/twist", "/dynamic/mask"],
-                                      env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            subprocess.run(launch, env=environment, timeout=PATIENCE, stdout=subprocess.DEVNULL,
-                           stderr=subprocess.DEVNULL, check=False)
-            record.send_signal(signal.SIGINT)
-            record.wait(PATIENCE)
+            started.append(subprocess.Popen(["rosmaster", "--core", "-p", port], **quiet))
+            self.wait_until(lambda: socket.socket().connect_ex(("localhost", int(port))) == 0)
+            started.append(subprocess.Popen(["rosbag", "record", "-O", live, "/ego/twist", "/dynamic/mask"],
+                                            start_new_session=True, **quiet))
+            self.wait_until(lambda: os.path.exists(live + ".active"))
+            subprocess.run(launch, timeout=PATIENCE, check=False, **quiet)
+            os.killpg(started[1].pid, signal.SIGINT)  # the recorder is a child of its front end
+            self.wait_until(lambda: os.path.exists(live))
         finally:
-            for process in (record, core):
-                if process and process.poll() is None:
-                    process.terminate()
-                    process.wait()
+            for process in started:
+                process.terminate()
+                process.wait()
         topics = ["/ego/twist", "/dynamic/mask"]
         expected, found = messages(offline, *topics), messages(live, *topics)
         for topic in topics:
@@ -240,9 +245,7 @@ class ProcessBagTest(unittest.TestCase):
         process = subprocess.Popen([PROCESS_BAG, self.drive, "--config", CONFIG, "--output", output],
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
                                    start_new_session=True)
-        end = time.time() + PATIENCE
-        while time.time() < end and not any(name.startswith("interrupted.bag.partial") for name in os.listdir(self.folder)):
-            time.sleep(0.01)
+        self.wait_until(lambda: any(name.startswith("interrupted.bag.partial") for name in os.listdir(self.folder)))
         os.killpg(process.pid, signal.SIGINT)
         text, _ = process.communicate(timeout=PATIENCE)
         self.assertEqual(process.returncode, 130, text)
