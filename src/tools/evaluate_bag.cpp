@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
   Options options;
   tools::ResultFiles files;
   tools::CommandLine command_line(
-      "evaluate_bag", "Compares velocities, paths, masks and objects in a bag with a reference in it.",
+      "evaluate_bag", "Compares velocities, paths, masks in a bag with a reference in it.",
       {"evaluate_bag out.bag --reference /ground_truth/odom --json result.json",
        "evaluate_bag out.bag gnss.bag --reference /gps/fix --align-time",
        "evaluate_bag foreign.bag --twist /radar/twist --odometry \"\" --reference tf:map:base_link"});

@@ -1,0 +1,67 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "radar_dot/config/sections.h"
+#include "radar_dot/dataset/tables.h"
+#include "radar_dot/evaluation/figures.h"
+#include "radar_dot/radar/radar_calibration.h"
+
+namespace radar_dot::evaluation {
+
+/// What tells the motion beside the radars.
+enum class CalibrationReference { kPoses, kWheels, kNone };
+
+}  // namespace radar_dot::evaluation
+
+namespace radar_dot {
+template <>
+struct EnumNames<evaluation::CalibrationReference> {
+  static constexpr EnumName<evaluation::CalibrationReference> kValues[] = {
+      {evaluation::CalibrationReference::kPoses, "poses", "the poses of the dataset"},
+      {evaluation::CalibrationReference::kWheels, "wheels", "the speed of the rear wheels, of the CAN bus"},
+      {evaluation::CalibrationReference::kNone, "none", "nothing: the rear axle does not slip"}};
+};
+}  // namespace radar_dot
+
+namespace radar_dot::evaluation {
+
+/// Drives of one vehicle, ready for calibrateRadars().
+struct CalibrationData {
+  std::vector<CalibratedRadar> radars;   ///< with the mounts and corrections of the configuration
+  std::vector<RadarEntry> entries;       ///< of the same radars, as configured
+  std::vector<std::string> entry_names;  ///< of the same entries
+  std::vector<CalibrationDrive> drives;
+};
+
+/// All scenes of the tables.
+/// @throws dataset::DatasetError for unreadable input, and where the mounts of two scenes differ: each
+/// vehicle
+///         has a calibration of its own
+CalibrationData calibrationData(const dataset::Tables& tables, const EgoVelocityConfig& config,
+                                CalibrationReference reference);
+
+/// A calibration, and what it is worth.
+struct CalibrationReport {
+  std::vector<CalibratedRadar> radars;
+  Calibration calibration;  ///< of all drives
+  double block = 0.0;       ///< s; every other one was left out, and is what the next two are of
+  CalibrationResiduals before,
+      after;         ///< with the configuration, and with the calibration of the other blocks
+  std::string yaml;  ///< lines for the section ego_velocity
+
+  /// False where what was held out agrees less than before: the drives do not tell enough.
+  bool isWorthIt() const;
+  void describe(Figures& figures);
+};
+
+CalibrationReport calibrate(const CalibrationData& data, const EgoVelocityConfig& config,
+                            const CalibrationParams& params, double block);
+
+/// For people, with the reasons of what is not observable, and the lines to paste.
+std::string formatTable(const CalibrationReport& report);
+
+}  // namespace radar_dot::evaluation
