@@ -105,6 +105,10 @@ class Reader {
     forEachDocument([this](const YAML::Node& document) { readValues("", options_, document); });
   }
 
+  void readEntries(const FieldDictionary& dictionary) {
+    forEachDocument([&](const YAML::Node& document) { readEntries("", dictionary, document); });
+  }
+
  private:
   /// Several documents in one file are loaded one after the other, as by rosparam.
   void forEachDocument(const std::function<void(const YAML::Node&)>& read) const {
@@ -170,13 +174,17 @@ class Reader {
                  for (const FieldDictionary& dictionary : fields.dictionaries()) {
                    if (is_known || key != dictionary.name) continue;
                    is_known = true;
-                   forEachKey(value, path,
-                              [&](const std::string& name, const YAML::Node&, const YAML::Node& parameters) {
-                                readValues(path + "/" + name, dictionary.entry(name), parameters);
-                              });
+                   readEntries(path, dictionary, value);
                  }
                  if (!is_known)
                    fail(key_node, "unknown parameter " + path + didYouMean(fields.nearestName(key)));
+               });
+  }
+
+  void readEntries(const std::string& prefix, const FieldDictionary& dictionary, const YAML::Node& entries) {
+    forEachKey(entries, prefix.empty() ? "the file" : prefix,
+               [&](const std::string& name, const YAML::Node&, const YAML::Node& parameters) {
+                 readValues(pathOf(prefix, name), dictionary.entry(name), parameters);
                });
   }
 
@@ -218,6 +226,10 @@ std::map<const void*, std::string> readConfigFile(const std::string& path,
 
 void readFieldsFile(const std::string& path, const FieldList& fields) {
   Reader(path, {}, "", fields).readOptions();
+}
+
+void readDictionaryFile(const std::string& path, const FieldDictionary& dictionary) {
+  Reader(path, {}, "", {}).readEntries(dictionary);
 }
 
 }  // namespace radar_dot

@@ -34,4 +34,7 @@ std::map<const void*, std::string> readConfigFile(const std::string& path,
 /// Sets the fields that a YAML file of names and values names. @throws ConfigFileError
 void readFieldsFile(const std::string& path, const FieldList& fields);
 
+/// Adds what a YAML file of entries by their names says to a dictionary. @throws ConfigFileError
+void readDictionaryFile(const std::string& path, const FieldDictionary& dictionary);
+
 }  // namespace radar_dot

@@ -61,6 +61,9 @@ void EgoVelocityConfig::describe(FieldList& fields) {
   describeBaseFrame(base_frame, fields);
   rotation.describe(fields);
   fields.add("queue_size", queue_size, "Clouds per radar that may wait", "", {1, 1000});
+  fields.add("mount_yaws_file", mount_yaws_file,
+             "YAML file of mount yaws: the filter starts from them, and writes what it has learnt when the "
+             "nodelet ends; empty: none");
   rate.describe(fields);
   fields.group("Returns");
   extraction.describe(fields);

@@ -7,10 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <pluginlib/class_list_macros.hpp>
 #include <set>
+#include <system_error>
 #include <utility>
 
+#include "config/mount_yaws.h"
 #include "nodelets/common/process_clock.h"
 #include "nodelets/messages/cloud_conversion.h"
 #include "nodelets/messages/ego_messages.h"
@@ -52,6 +55,7 @@ void EgoVelocityNodelet::setUp() {
   setUpMasks();
   setUpRadars();
   setUpRotation();
+  readMountYawsFile();
 
   twist_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist", 10);
   raw_twist_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist_raw", 10);
@@ -145,6 +149,56 @@ void EgoVelocityNodelet::setUpRotation() {
         makeRotationSource(config_.rotation, getNodeHandle(), *extrinsics_, std::move(callbacks));
   } catch (const std::invalid_argument& error) {
     reportProblem(std::string(error.what()) + "; the returns alone tell the velocity");
+  }
+}
+
+void EgoVelocityNodelet::readMountYawsFile() {
+  const std::string& file = config_.mount_yaws_file;
+  if (file.empty()) return;
+  std::error_code error;
+  if (!std::filesystem::exists(file, error) && !error) {
+    NODELET_INFO("%s: %s is not there yet: mounts start as configured", getName().c_str(), file.c_str());
+    mount_yaws_file_ = file;
+    return;
+  }
+  try {
+    mount_yaws_ = readMountYaws(file);
+  } catch (const std::exception& defect) {
+    reportProblem(fmt::format("{}: {}; mounts start as configured, and the file stays as it is",
+                              nameOf(config_, config_.mount_yaws_file), defect.what()));
+    return;
+  }
+  mount_yaws_file_ = file;
+  std::vector<std::optional<MountYaw>> start;
+  std::size_t known = 0;
+  for (const std::unique_ptr<Radar>& radar : radars_) {
+    const auto saved = mount_yaws_.find(radar->name);
+    start.push_back(saved == mount_yaws_.end() ? std::nullopt : std::optional<MountYaw>(saved->second));
+    known += saved != mount_yaws_.end();
+  }
+  estimator_.startFrom(std::move(start));
+  NODELET_INFO("%s: the yaws of %zu of %zu mounts start as in %s", getName().c_str(), known, radars_.size(),
+               file.c_str());
+  if (known < mount_yaws_.size()) {
+    NODELET_WARN("%s: %s names %zu radars that are not here", getName().c_str(), file.c_str(),
+                 mount_yaws_.size() - known);
+  }
+}
+
+void EgoVelocityNodelet::writeMountYawsFile() const {
+  std::map<std::string, MountYaw> yaws = mount_yaws_;
+  bool learnt = false;
+  for (std::size_t i = 0; i < radars_.size(); ++i) {
+    const MountYaw mount = estimator_.mountYaw(i);
+    if (!estimator_.hasLearnt(i) || !std::isfinite(mount.yaw)) continue;
+    yaws[radars_[i]->name] = mount;
+    learnt = true;
+  }
+  if (mount_yaws_file_.empty() || !learnt) return;
+  try {
+    writeMountYaws(mount_yaws_file_, yaws);
+  } catch (const std::exception& defect) {
+    NODELET_ERROR("%s: the mount yaws learnt are lost: %s", getName().c_str(), defect.what());
   }
 }
 
@@ -347,9 +401,8 @@ void EgoVelocityNodelet::compare(const Sweep& sweep, const std::vector<RadarScan
   agreement_.add(sweep.time(), scans, result, estimator_.params());
   for (std::size_t i = 0; i < radars_.size(); ++i) {
     const RadarAgreement::Figures& figures = agreement_.figures(i);
-    const VelocityFilter& filter = estimator_.filter();
-    radars_[i]->monitor.agreement(figures, assembler_->losses()[i], filter.mountYaw(i),
-                                  std::sqrt(filter.mountYawVariance(i)));
+    const MountYaw mount = estimator_.mountYaw(i);
+    radars_[i]->monitor.agreement(figures, assembler_->losses()[i], mount.yaw, mount.std);
     if (!figures.warning.empty()) warn(radars_[i]->name, figures.warning);
   }
   rotation_comparison_.expire(sweep.time());

@@ -25,6 +25,9 @@ namespace radar_dot {
 
 /// Velocity of the vehicle, static and dynamic returns from any number of radars.
 class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
+ public:
+  ~EgoVelocityNodelet() override { writeMountYawsFile(); }
+
  private:
   struct Radar {
     std::string name;
@@ -51,6 +54,9 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
   std::string disabledBy() const;
 
   void setUpRotation();
+  /// Starts from the mount yaws of the file, where there is one.
+  void readMountYawsFile();
+  void writeMountYawsFile() const;
   void onMessage(std::size_t index, const RadarMessage& message);
   /// @return true when there is nothing more to wait for
   bool warnOfSilentRadars();
@@ -80,6 +86,8 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
   std::optional<Assembler> assembler_;
   std::vector<Sweep> completed_;  // kept between calls for its memory
   SweepEstimator estimator_;
+  std::string mount_yaws_file_;                 // empty: none, or one that is not understood
+  std::map<std::string, MountYaw> mount_yaws_;  // as read, also of radars that are not here
   RadarAgreement agreement_;
   bool mounts_assessed_ = false;
   std::string mount_advice_;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/radar/sweep_estimator.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -12,6 +14,12 @@ namespace {
 
 // A yaw rate older than this does not tell how far the bearings have turned.
 constexpr double kMaxTurningAge = 1.0;  // s
+
+// Mounts move a little between drives, whatever the last one has learnt.
+constexpr double kLeastStartStd = 1e-3;  // rad
+
+// A sigma that has shrunk by less has so by rounding.
+constexpr double kLearnt = 0.99;
 
 }  // namespace
 
@@ -27,13 +35,38 @@ void SweepEstimator::configure(const SweepEstimatorParams& params) {
   const EgoVelocityParams& present = estimator_.params();
   if (!sameFields(present, params.estimator) || !sameFields(present.sensor, params.estimator.sensor))
     estimator.emplace(params.estimator);
-  if (!sameFields(filter_.params(), params.filter_params)) filter.emplace(params.filter_params);
+  if (!sameFields(filter_.params(), params.filter_params)) {
+    filter.emplace(params.filter_params);
+    filter->setMountYawStds(startStds());
+  }
 
   if (estimator) estimator_ = std::move(*estimator);
   if (filter) filter_ = std::move(*filter);
   filters_ = params.filter;
   filters_radars_ = params.filter_radars;
   bearing_delay_ = params.bearing_delay;
+}
+
+void SweepEstimator::startFrom(std::vector<std::optional<MountYaw>> mounts) {
+  start_ = std::move(mounts);
+  filter_.setMountYawStds(startStds());
+  reset();
+}
+
+std::vector<std::optional<double>> SweepEstimator::startStds() const {
+  std::vector<std::optional<double>> stds(start_.size());
+  for (std::size_t i = 0; i < start_.size(); ++i)
+    if (start_[i]) stds[i] = std::max(start_[i]->std, kLeastStartStd);
+  return stds;
+}
+
+MountYaw SweepEstimator::mountYaw(std::size_t radar) const {
+  const double start = radar < start_.size() && start_[radar] ? start_[radar]->yaw : 0.0;
+  return {start + filter_.mountYaw(radar), std::sqrt(filter_.mountYawVariance(radar))};
+}
+
+bool SweepEstimator::hasLearnt(std::size_t radar) const {
+  return filter_.mountYawVariance(radar) < kLearnt * kLearnt * filter_.startVariance(radar);
 }
 
 void SweepEstimator::turnBearings(std::vector<RadarScan>& scans) const {
@@ -56,6 +89,13 @@ std::optional<StampedTwist> SweepEstimator::latestVelocity() const {
 SweepEstimate SweepEstimator::estimate(std::vector<RadarScan>& scans, double time,
                                        const std::optional<AngularVelocity>& known) {
   if (known && known->rate.allFinite()) turning_ = StampedTwist{time, Eigen::Vector3d::Zero(), known->rate};
+  for (RadarScan& scan : scans) {
+    if (scan.radar < start_.size() && start_[scan.radar]) {
+      scan.T_base_from_sensor.linear() =
+          Eigen::AngleAxisd(start_[scan.radar]->yaw, Eigen::Vector3d::UnitZ()) *
+          scan.T_base_from_sensor.linear();
+    }
+  }
   turnBearings(scans);
   const auto latest = DopplerUnwrapping::needed(scans) ? latestVelocity() : std::nullopt;
   SweepEstimate estimate{unwrapping_.estimate(estimator_, scans, time, acceleration(time), latest, known),

@@ -89,9 +89,20 @@ double VelocityFilter::mountYaw(std::size_t radar) const {
 }
 
 double VelocityFilter::mountYawVariance(std::size_t radar) const {
-  if (radar >= last_scan_.size()) return params_.mount_yaw_std * params_.mount_yaw_std;
+  if (radar >= last_scan_.size()) return startVariance(radar);
   const Eigen::Index mount = kMotion + static_cast<Eigen::Index>(radar);
   return covariance_(mount, mount);
+}
+
+void VelocityFilter::setMountYawStds(std::vector<std::optional<double>> stds) {
+  mount_yaw_stds_ = std::move(stds);
+  reset();
+}
+
+double VelocityFilter::startVariance(std::size_t radar) const {
+  double std = params_.mount_yaw_std;
+  if (std > 0.0 && radar < mount_yaw_stds_.size()) std = mount_yaw_stds_[radar].value_or(std);
+  return std * std;
 }
 
 void VelocityFilter::addMounts(std::size_t count) {
@@ -102,7 +113,10 @@ void VelocityFilter::addMounts(std::size_t count) {
   state_.tail(after - before).setZero();
   Eigen::MatrixXd grown = Eigen::MatrixXd::Zero(after, after);
   grown.topLeftCorner(before, before) = covariance_;
-  grown.diagonal().tail(after - before).setConstant(params_.mount_yaw_std * params_.mount_yaw_std);
+  for (std::size_t radar = last_scan_.size(); radar < count; ++radar) {
+    const Eigen::Index mount = kMotion + static_cast<Eigen::Index>(radar);
+    grown(mount, mount) = startVariance(radar);
+  }
   covariance_ = std::move(grown);
   last_scan_.resize(count, -std::numeric_limits<double>::infinity());
 }

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,10 @@ namespace {
 
 constexpr double kPeriod = 0.075;  // s
 
-/// The filtered estimate after a drive of so many sweeps. @param turned  rad, of the first radar's mount
-EgoVelocityResult drive(SweepEstimator& estimator, double begin, int sweeps, double turned = 0.0) {
+/// The filtered estimate after a drive of so many sweeps. @param turned  rad, of the mounts of the first
+/// radars
+EgoVelocityResult drive(SweepEstimator& estimator, double begin, int sweeps, double turned = 0.0,
+                        std::size_t radars = 1) {
   EgoVelocityResult latest;
   for (int i = 0; i < sweeps; ++i) {
     test::SweepOptions options;
@@ -27,9 +30,12 @@ EgoVelocityResult drive(SweepEstimator& estimator, double begin, int sweeps, dou
     const test::Sweep sweep = test::makeSweep(test::carMounts(), {10.0, 0.0, 0.0}, {0.0, 0.0, 0.05}, options);
     std::vector<RadarScan> scans = sweep.scans();
     const double time = begin + kPeriod * i;
-    for (RadarScan& scan : scans) scan.time = time;
-    scans[0].T_base_from_sensor.linear() =
-        Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ()) * scans[0].T_base_from_sensor.linear();
+    for (RadarScan& scan : scans) {
+      scan.time = time;
+      if (scan.radar >= radars) continue;
+      scan.T_base_from_sensor.linear() =
+          Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ()) * scan.T_base_from_sensor.linear();
+    }
     const SweepEstimate estimate = estimator.estimate(scans, time);
     EXPECT_TRUE(estimate.single.valid()) << estimate.single.reason;
     EXPECT_TRUE(estimate.filtered) << i;
@@ -64,6 +70,37 @@ TEST(SweepEstimator, OtherParametersKeepWhatTheFilterHasLearnt) {
   const EgoVelocityResult after = drive(estimator, 40 * kPeriod, 1, -0.02);
   EXPECT_NEAR(after.linear.x(), before.linear.x(), 0.05);
   EXPECT_LT(after.covariance(0, 0), 1.5 * before.covariance(0, 0)) << "a filter that starts is less certain";
+}
+
+TEST(SweepEstimator, AKnownYawLeavesNoBiasFromTheFirstEstimateOn) {
+  // drive() turns the calibration by so much, which turns 10 m/s ahead to 0.1 m/s to the side.
+  constexpr double kTurned = -0.01;
+  const std::size_t radars = test::carMounts().size();
+  SweepEstimatorParams config = mountsToLearn();
+  SweepEstimator exact(config), unaware(config), aware(config);
+  aware.startFrom(std::vector<std::optional<MountYaw>>(radars, MountYaw{-kTurned, 1e-5}));
+  for (const bool again : {false, true}) {
+    const Eigen::Vector3d truth = drive(exact, 0.0, 1).linear;
+    EXPECT_NEAR((drive(unaware, 0.0, 1, kTurned, radars).linear - truth).y(), -0.1, 0.01);
+    EXPECT_LT((drive(aware, 0.0, 1, kTurned, radars).linear - truth).norm(), 1e-6);
+    EXPECT_FALSE(aware.hasLearnt(0));
+
+    drive(aware, kPeriod, 40, kTurned, radars);
+    EXPECT_NEAR(aware.mountYaw(0).yaw, -kTurned, 3e-3);
+    EXPECT_LE(aware.mountYaw(0).std, 1e-3) << "the floor";
+    drive(unaware, kPeriod, 40, kTurned, radars);
+    EXPECT_TRUE(unaware.hasLearnt(0));
+    EXPECT_FALSE(unaware.hasLearnt(99));
+    if (again) break;
+    aware.reset(), exact.reset(), unaware.reset();
+    EXPECT_EQ(aware.mountYaw(0).yaw, -kTurned);
+    EXPECT_EQ(aware.mountYaw(0).std, 1e-3);
+    EXPECT_EQ(unaware.mountYaw(0).std, config.filter_params.mount_yaw_std);
+  }
+  config.filter_params.mount_yaw_std = 0.0;
+  aware.configure(config);
+  EXPECT_EQ(aware.mountYaw(0).yaw, -kTurned) << "other parameters of the filter";
+  EXPECT_EQ(aware.mountYaw(0).std, 0.0) << "exact";
 }
 
 TEST(SweepEstimator, AParameterOfTheFilterStartsItAgain) {

@@ -107,6 +107,7 @@ struct EgoVelocityConfig : SweepEstimatorParams {
   SweepParams sweep;
   RotationParams rotation;
   int queue_size = 20;
+  std::string mount_yaws_file;
   RateParams rate;
 
   ExtractionParams extraction;

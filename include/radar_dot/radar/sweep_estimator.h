@@ -23,6 +23,12 @@ struct SweepEstimatorParams {
   VelocityFilterParams filter_params;
 };
 
+/// By what a mount is turned from its calibration.
+struct MountYaw {
+  double yaw = 0.0;  ///< rad, to be added to the yaw of the mount
+  double std = 0.0;  ///< rad
+};
+
 /// What is known after a sweep.
 struct SweepEstimate {
   struct Filtered {
@@ -54,8 +60,12 @@ class SweepEstimator {
   /// mounts. @throws InvalidParameter, without any change
   void configure(const SweepEstimatorParams& params);
 
-  /// Turns the bearings of the scans, unwraps their range rates where those are ambiguous (the returns of
-  /// `scans` then stay here until the next call), and estimates.
+  /// Mounts whose yaws are known from earlier, by radar. A sigma below 1 mrad counts as 1 mrad, so that the
+  /// filter can still learn. Resets; they hold after every later reset too.
+  void startFrom(std::vector<std::optional<MountYaw>> mounts);
+
+  /// Turns the mounts of the scans by what startFrom() says, and the bearings, unwraps their range rates
+  /// where those are ambiguous (the returns of `scans` then stay here until the next call), and estimates.
   /// @param time   s, of the newest scan
   /// @param known  the angular velocity then, where another source tells it: then a single radar away from
   ///               the origin tells the velocity of the origin
@@ -67,6 +77,11 @@ class SweepEstimator {
   /// m/s^2, base frame; zero where it is not known.
   Eigen::Vector3d acceleration(double time) const { return tracker_.acceleration(time); }
 
+  /// What the mount is turned by, with what the filter has learnt since the start.
+  MountYaw mountYaw(std::size_t radar) const;
+  /// Is the filter surer of it than at the start?
+  bool hasLearnt(std::size_t radar) const;
+
   /// Forgets the past, what was learnt of the mounts as well.
   void reset();
 
@@ -77,11 +92,13 @@ class SweepEstimator {
   /// The velocity at the latest sweep: of that alone, which follows any jerk, or, where it lacks vx, of the
   /// filter.
   std::optional<StampedTwist> latestVelocity() const;
+  std::vector<std::optional<double>> startStds() const;
 
   EgoVelocityEstimator estimator_;
   DopplerUnwrapping unwrapping_;
   AccelerationTracker tracker_;
   VelocityFilter filter_;
+  std::vector<std::optional<MountYaw>> start_;  // by radar
   bool filters_ = true, filters_radars_ = true;
   double bearing_delay_ = 0.0;           // s
   std::optional<StampedTwist> latest_;   // valid estimate

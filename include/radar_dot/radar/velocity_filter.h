@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "radar_dot/radar/sensor_velocity.h"
@@ -133,6 +134,11 @@ class VelocityFilter {
   /// rad, to be added to the yaw of the mount; 0 for radars not seen yet.
   double mountYaw(std::size_t radar) const;
   double mountYawVariance(std::size_t radar) const;  ///< rad^2, of mountYaw()
+  /// rad, by radar: 1 sigma of mounts known otherwise than by mount_yaw_std, for now and after a reset. With
+  /// a mount_yaw_std of 0 these are exact too. Resets.
+  void setMountYawStds(std::vector<std::optional<double>> stds);
+  /// rad^2, of mountYaw() before anything is learnt.
+  double startVariance(std::size_t radar) const;
   /// Forgets everything, what was learnt of the mounts as well.
   void reset();
 
@@ -152,6 +158,7 @@ class VelocityFilter {
   void addMounts(std::size_t count);
 
   VelocityFilterParams params_;
+  std::vector<std::optional<double>> mount_yaw_stds_;  ///< rad, by radar
   bool started_ = false;
   double time_ = 0.0;              ///< s, the state holds at
   double last_update_ = 0.0;       ///< s
