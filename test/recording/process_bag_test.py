@@ -15,6 +15,7 @@ import unittest
 
 import genpy
 import rosbag
+import yaml
 
 SOURCE, SIMULATOR, CONVERTER = [os.path.realpath(path) for path in sys.argv[1:4]]
 PROCESS_BAG = os.path.join(SOURCE, "scripts", "process_bag")
@@ -252,6 +253,37 @@ class ProcessBagTest(unittest.TestCase):
         self.assertIn("interrupted", text)
         self.assertNotIn("Traceback", text)
         self.assertFalse([name for name in os.listdir(self.folder) if name.startswith("interrupted")])
+
+    def test_mount_yaws_are_read_at_the_start_and_written_at_the_end(self):
+        with open(CONFIG) as file:
+            config = yaml.safe_load(file)
+        for radar in config["ego_velocity"]["radars"].values():
+            radar["mount_yaw_correction"] = 0.02
+        saved = config["ego_velocity"]["mount_yaws_file"] = self.path("yaws.yaml")
+        with open(self.path("turned.yaml"), "w") as file:
+            yaml.safe_dump(config, file)
+        with open(saved, "w") as file:
+            yaml.safe_dump({name: {"yaw": -0.02, "std": 0.002} for name in config["ego_velocity"]["radars"]}, file)
+        output = self.path("turned.bag")
+        turned = ["--config", self.path("turned.yaml"), "--topics", "radar", self.drive]
+        self.process("--output", output, *turned)
+        right, corrected = [messages(path, "/ego/twist_raw")["/ego/twist_raw"] for path in (self.output, output)]
+        self.assertEqual(sorted(right), sorted(corrected))
+        for stamp, message in right.items():
+            self.assertAlmostEqual(message.twist.twist.linear.y, corrected[stamp].twist.twist.linear.y, 6)
+        with open(saved) as file:
+            learnt = yaml.safe_load(file)
+        self.assertEqual(sorted(learnt), sorted(config["ego_velocity"]["radars"]))
+        for mount in learnt.values():
+            self.assertAlmostEqual(mount["yaw"], -0.02, delta=0.006)
+            self.assertLess(mount["std"], 0.002)
+
+        with open(saved, "w") as file:
+            file.write("front: {yaw: left}\n")
+        text = self.process("--output", self.path("refused.bag"), *turned)
+        self.assertIn("yaws.yaml:1: front/yaw is 'left'", text)
+        with open(saved) as file:
+            self.assertEqual(file.read(), "front: {yaw: left}\n")
 
 
 if __name__ == "__main__":
