@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "radar_dot/evaluation/pose_track.h"
@@ -118,21 +117,7 @@ CalibrationData calibrationData(const dataset::Tables& tables, const EgoVelocity
     if (!drive.scans.empty()) data.drives.push_back(std::move(drive));
   }
   for (const CalibratedRadar& radar : data.radars) {
-    std::string topic = radar.name;
-    std::transform(topic.begin(), topic.end(), topic.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
-    RadarEntry entry;
-    entry.topic = topic;
-    std::string name = topic;
-    for (const auto& [known, given] : config.radars) {
-      const std::string& other = given.topic;
-      if (other.size() < topic.size() || other.compare(other.size() - topic.size(), topic.size(), topic) != 0)
-        continue;
-      if (other.size() > topic.size() && other[other.size() - topic.size() - 1] != '/') continue;
-      name = known;
-      entry = withPreset(given);
-      entry.preset = given.preset;
-    }
+    const auto [name, entry] = entryOf(config, radar.name);
     data.entries.push_back(entry);
     data.entry_names.push_back(name);
   }
@@ -142,7 +127,6 @@ CalibrationData calibrationData(const dataset::Tables& tables, const EgoVelocity
 CalibrationReport calibrate(const CalibrationData& data, const EgoVelocityConfig& config,
                             const CalibrationParams& params, double block) {
   CalibrationReport report;
-  report.radars = data.radars;
   report.block = block;
   report.calibration = calibrateRadars(data.radars, data.drives, params);
   std::vector<CalibrationDrive> fitted, held_out;

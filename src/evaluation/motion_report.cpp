@@ -61,7 +61,6 @@ void MotionReport::describe(Figures& figures) {
       figures.count("without_truth", masks_without_truth);
     });
   }
-  if (objects) figures.object("objects", [&] { figures.show(*objects); });
   figures.name(scene);
 }
 
@@ -112,7 +111,6 @@ std::string formatTable(const MotionReport& report) {
                      {"F1", 9, "f1", 4},
                      {"FP share", 10, "false_positive_share", 4}});
   }
-  if (report.objects) text += "\n" + formatTable(std::vector<ObjectReport>(), *report.objects);
   return text;
 }
 

@@ -84,11 +84,7 @@ LoadedRadar loadRadar(const Tables& tables, Index scene, const std::string& chan
                       const EgoVelocityConfig& config) {
   LoadedRadar radar;
   radar.channel = channel;
-  RadarEntry entry;
-  for (const auto& [name, given] : config.radars) {
-    const RadarEntry whole = withPreset(given);
-    if (channelOf(whole.topic) == channel) entry = whole;
-  }
+  const RadarEntry entry = entryOf(config, channel).second;
   DopplerExtractor extractor(extractionOf(config, entry));
   for (const Index row : tables.readingsOf(scene, channel)) {
     const dataset::SampleData& reading = tables.sample_data[at(row)];
@@ -148,6 +144,21 @@ void requireRadars(const Tables& tables, Index scene, const EgoVelocityConfig& c
 }
 
 }  // namespace
+
+std::pair<std::string, RadarEntry> entryOf(const EgoVelocityConfig& config, const std::string& channel) {
+  std::string topic = channel;
+  std::transform(topic.begin(), topic.end(), topic.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::pair<std::string, RadarEntry> found(topic, {});
+  found.second.topic = topic;
+  for (const auto& [name, given] : config.radars) {
+    const RadarEntry whole = withPreset(given);
+    if (channelOf(whole.topic) != channel) continue;
+    found = {name, whole};
+    found.second.preset = given.preset;
+  }
+  return found;
+}
 
 EgoVelocityConfig withMountCorrections(EgoVelocityConfig config,
                                        const std::vector<std::string>& corrections) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "radar_dot/common/stamps.h"
@@ -64,6 +65,9 @@ struct RadarScene {
 ///         or with poses of another time.
 RadarScene loadRadarScene(const dataset::Tables& tables, dataset::Index scene,
                           const std::vector<std::string>& channels, const EgoVelocityConfig& config);
+/// The radar of a channel as configured, with the values and the name of its preset, and its name; where it
+/// is not, the channel in lower case is its topic and name.
+std::pair<std::string, RadarEntry> entryOf(const EgoVelocityConfig& config, const std::string& channel);
 /// Config with the corrections "CHANNEL=RAD" in its radars. @throws std::invalid_argument for other texts
 EgoVelocityConfig withMountCorrections(EgoVelocityConfig config, const std::vector<std::string>& corrections);
 

@@ -39,14 +39,12 @@ struct CalibrationData {
 
 /// All scenes of the tables.
 /// @throws dataset::DatasetError for unreadable input, and where the mounts of two scenes differ: each
-/// vehicle
-///         has a calibration of its own
+///         vehicle has a calibration of its own
 CalibrationData calibrationData(const dataset::Tables& tables, const EgoVelocityConfig& config,
                                 CalibrationReference reference);
 
 /// A calibration, and what it is worth.
 struct CalibrationReport {
-  std::vector<CalibratedRadar> radars;
   Calibration calibration;  ///< of all drives
   double block = 0.0;       ///< s; every other one was left out, and is what the next two are of
   CalibrationResiduals before,
