@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "radar_dot/evaluation/pose_track.h"
 #include "radar_scene.h"
@@ -18,6 +19,7 @@ using Quantity = CalibrationQuantity;
 
 constexpr double kReferenceInterval = 0.1;  // s
 constexpr double kReferenceWindow = 0.2;    // s over which poses are compared
+constexpr std::size_t kMaxFolds = 5;
 
 std::vector<ReferenceReading> referenceOf(const RadarScene& scene, CalibrationReference reference) {
   std::vector<ReferenceReading> readings;
@@ -101,6 +103,58 @@ std::string yamlOf(const CalibrationData& data, const Calibration& calibration,
   return text;
 }
 
+using Drives = std::vector<CalibrationDrive>;
+
+/// Parts to fit and to hold out: each drive in turn, in groups where there are many; of one drive stretches.
+std::vector<std::pair<Drives, Drives>> foldsOf(const Drives& drives, double block) {
+  std::vector<std::pair<Drives, Drives>> folds(std::min(kMaxFolds, drives.size()));
+  if (drives.size() == 1) {
+    splitDrives(drives, block, folds[0].first, folds[0].second);
+    if (folds[0].second.empty()) folds.clear();
+    return folds;
+  }
+  for (std::size_t fold = 0; fold < folds.size(); ++fold)
+    for (std::size_t drive = 0; drive < drives.size(); ++drive)
+      (drive % folds.size() == fold ? folds[fold].second : folds[fold].first).push_back(drives[drive]);
+  return folds;
+}
+
+CalibrationResiduals meanOf(const std::vector<CalibrationResiduals>& folds) {
+  CalibrationResiduals mean = folds.front();
+  mean.all = 0.0;
+  mean.motion.setZero();
+  for (const CalibrationResiduals& fold : folds) {
+    mean.all += fold.all / static_cast<double>(folds.size());
+    mean.motion += fold.motion / static_cast<double>(folds.size());
+  }
+  return mean;
+}
+
+/// Mean ratio of what is left to what was there: of the residuals, and of the motion where it has a
+/// reference.
+double disagreement(const CalibrationResiduals& after, const CalibrationResiduals& before) {
+  double sum = after.all / before.all, count = 1.0;
+  for (const double ratio : (after.motion / before.motion).eval()) {
+    if (!std::isfinite(ratio)) continue;
+    sum += ratio;
+    count += 1.0;
+  }
+  return sum / count;
+}
+
+/// Of the other quantities nothing is left but the reason.
+void keepYaws(const Calibration& yaws, Calibration& calibration) {
+  const auto drop = [](CalibratedValue& value) {
+    if (value.observable()) value.reason = "what was held out agrees better without it";
+  };
+  for (std::size_t radar = 0; radar < calibration.radars.size(); ++radar) {
+    auto& values = calibration.radars[radar].values;
+    std::for_each(values.begin(), values.end(), drop);
+    values[0] = yaws.radars[radar][Quantity::kYaw];
+  }
+  drop(calibration.bearing_delay);
+}
+
 }  // namespace
 
 CalibrationData calibrationData(const dataset::Tables& tables, const EgoVelocityConfig& config,
@@ -127,20 +181,35 @@ CalibrationData calibrationData(const dataset::Tables& tables, const EgoVelocity
 CalibrationReport calibrate(const CalibrationData& data, const EgoVelocityConfig& config,
                             const CalibrationParams& params, double block) {
   CalibrationReport report;
-  report.block = block;
+  report.block = data.drives.size() > 1 ? 0.0 : block;
   report.calibration = calibrateRadars(data.radars, data.drives, params);
-  std::vector<CalibrationDrive> fitted, held_out;
-  splitDrives(data.drives, block, fitted, held_out);
-  if (!held_out.empty()) {
-    report.before = calibrationResiduals(data.radars, held_out, params, {});
-    report.after =
-        calibrationResiduals(data.radars, held_out, params, calibrateRadars(data.radars, fitted, params));
+  CalibrationParams yaws = params;
+  yaws.positions = yaws.scales = yaws.time_offsets = yaws.common_delay = false;
+  std::vector<CalibrationResiduals> before, after, after_yaws;
+  for (const auto& [fitted, held_out] : foldsOf(data.drives, block)) {
+    const auto residuals = [&, &rest = held_out](const Calibration& found) {
+      return calibrationResiduals(data.radars, rest, params, found);
+    };
+    before.push_back(residuals({}));
+    after.push_back(residuals(calibrateRadars(data.radars, fitted, params)));
+    after_yaws.push_back(residuals(calibrateRadars(data.radars, fitted, yaws)));
+  }
+  if (!before.empty()) {
+    report.before = meanOf(before);
+    report.after = meanOf(after);
+    const CalibrationResiduals by_yaws = meanOf(after_yaws);
+    if (disagreement(by_yaws, report.before) < disagreement(report.after, report.before)) {
+      report.after = by_yaws;
+      keepYaws(calibrateRadars(data.radars, data.drives, yaws), report.calibration);
+    }
   }
   report.yaml = yamlOf(data, report.calibration, config);
   return report;
 }
 
-bool CalibrationReport::isWorthIt() const { return !(after.all > before.all); }
+bool CalibrationReport::isWorthIt() const {
+  return before.by_radar.empty() || disagreement(after, before) <= 1.0;
+}
 
 void CalibrationReport::describe(Figures& figures) {
   const auto add = [&figures](const std::string& key, const CalibratedValue& value) {
@@ -175,27 +244,31 @@ std::string formatTable(const CalibrationReport& report) {
   std::string reasons;
   for (const RadarCalibration& radar : report.calibration.radars) {
     text += fmt::format("{:<18}", radar.name);
+    std::map<std::string, std::string> names_by_reason;
     for (std::size_t i = 0; i < kCalibrationQuantities; ++i) {
       const auto quantity = static_cast<Quantity>(i);
       text += fmt::format(" {:>15}", milli(radar.values[i], nominalOf(quantity)));
-      if (!radar.values[i].observable())
-        reasons += fmt::format("  {} {}: {}\n", radar.name, EnumNames<Quantity>::kValues[i].name,
-                               radar.values[i].reason);
+      if (radar.values[i].observable()) continue;
+      std::string& names = names_by_reason[radar.values[i].reason];
+      names += (names.empty() ? "" : ", ") + std::string(EnumNames<Quantity>::kValues[i].name);
     }
+    for (const auto& [reason, names] : names_by_reason)
+      reasons += fmt::format("  {} {}: {}\n", radar.name, names, reason);
     text += fmt::format("  {}\n", radar.doppler_sign < 0 ? "reversed" : "right");
   }
   const CalibratedValue& delay = report.calibration.bearing_delay;
   text += fmt::format("bearing_delay, ms beyond the configured one: {}\n", milli(delay, 0.0));
   if (!delay.observable()) reasons += "  bearing_delay: " + delay.reason + "\n";
-  if (!reasons.empty()) text += "Not observable in this drive:\n" + reasons;
+  if (!reasons.empty()) text += "Not found:\n" + reasons;
   const auto row = [](const char* name, const CalibrationResiduals& residuals) {
     return fmt::format("{:<10} {:>14.4f} {:>9.4f} {:>9.4f} {:>15.5f}\n", name, residuals.all,
                        residuals.motion[0], residuals.motion[1], residuals.motion[2]);
   };
   if (!report.before.by_radar.empty()) {
     text += fmt::format(
-        "\nHeld out, every other {:.0f} s; mean |radars - reference|:\n{:<10} {:>14} {:>9} {:>9} {:>15}\n",
-        report.block, "", "residual m/s", "vx m/s", "vy m/s", "yaw rate rad/s");
+        "\nHeld out, {}; mean |radars - reference|:\n{:<10} {:>14} {:>9} {:>9} {:>15}\n",
+        report.block > 0.0 ? fmt::format("every other {:.0f} s", report.block) : "each drive in turn", "",
+        "residual m/s", "vx m/s", "vy m/s", "yaw rate rad/s");
     text += row("before", report.before) + row("after", report.after);
   }
   if (!report.isWorthIt())

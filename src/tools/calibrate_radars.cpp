@@ -17,8 +17,9 @@ struct Options : radar_dot::CalibrationParams {
     CalibrationParams::describe(fields);
     fields.add("reference", reference, "What tells the motion beside the radars");
     fields.add("block", block,
-               "Every other stretch of this length is held out, to see what the rest is worth", "s",
-               {1.0, 60.0});
+               "Of a single drive, every other stretch of this length is held out, to see what the rest "
+               "is worth; of several drives, each in turn",
+               "s", {1.0, 60.0});
   }
 };
 

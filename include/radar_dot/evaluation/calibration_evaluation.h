@@ -46,16 +46,19 @@ CalibrationData calibrationData(const dataset::Tables& tables, const EgoVelocity
 /// A calibration, and what it is worth.
 struct CalibrationReport {
   Calibration calibration;  ///< of all drives
-  double block = 0.0;       ///< s; every other one was left out, and is what the next two are of
+  double block = 0.0;       ///< s; every other one was held out; 0: each drive in turn
   CalibrationResiduals before,
-      after;         ///< with the configuration, and with the calibration of the other blocks
+      after;         ///< of what was held out: as configured, and with the calibration of the rest
   std::string yaml;  ///< lines for the section ego_velocity
 
-  /// False where what was held out agrees less than before: the drives do not tell enough.
+  /// False where what was held out agrees less than before, on the mean over residuals and motion.
   bool isWorthIt() const;
   void describe(Figures& figures);
 };
 
+/// Quantities beside the yaws are kept only where what was held out agrees better with them than with the
+/// yaws alone: scales and times that differ from drive to drive are no properties of the mounts.
+/// @param block  s, of the stretches that are held out where there is one drive only
 CalibrationReport calibrate(const CalibrationData& data, const EgoVelocityConfig& config,
                             const CalibrationParams& params, double block);
 
