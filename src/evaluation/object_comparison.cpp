@@ -83,13 +83,14 @@ void ObjectComparison::addMover(const AnnotatedObject& mover, const ReportedTrac
 
 void ObjectComparison::countReturns(const AnnotatedObject& mover, double time, MoverCounts& counts) const {
   bool seen = false, moves = false;
-  for (const SeenScan& scan : scans_) {
-    if (scan.time < time - matching_.unseen_time || scan.time > time) continue;
-    const Eigen::Isometry3d T_map_from_base = truth_.at(scan.time);
-    for (const ReturnOverGround& one : scan.returns) {
+  auto scan = std::lower_bound(scans_.begin(), scans_.end(), time - matching_.unseen_time,
+                               [](const SeenScan& other, double t) { return other.time < t; });
+  for (; scan != scans_.end() && scan->time <= time; ++scan) {
+    const Eigen::Isometry3d T_map_from_base = truth_.at(scan->time);
+    for (const ReturnOverGround& one : scan->returns) {
       const Eigen::Vector3d in_map =
           T_map_from_base * Eigen::Vector3d(one.position.x(), one.position.y(), 0.0);
-      if (!mover.contains(in_map.head<2>(), scan.time, matching_.margin)) continue;
+      if (!mover.contains(in_map.head<2>(), scan->time, matching_.margin)) continue;
       seen = true;
       moves = moves || one.label == ReturnLabel::kDynamic;
     }

@@ -35,7 +35,7 @@ struct ReportedTrack {
 /// Compares tracks with boxes, keyframe by keyframe.
 class ObjectComparison {
  public:
-  /// @param truth  T_map_from_base, where "map" is the frame of the boxes @param scans  any number of them
+  /// @param truth  T_map_from_base, where "map" is the frame of the boxes @param scans  in time order
   ObjectComparison(const PoseTrack& truth, const std::vector<SeenScan>& scans, const ObjectMatching& matching,
                    ObjectReport& report)
       : truth_(truth), scans_(scans), matching_(matching), report_(report) {}

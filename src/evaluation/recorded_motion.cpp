@@ -427,6 +427,29 @@ void bringToBase(Stream& stream, const std::string& base, const Transforms& tran
   moveToBase(stream.motion, *T_base_from_frame);
 }
 
+/// Brings all to the order of time and to the frame of the estimate.
+void prepare(Stream& twist, Stream& odometry, Stream& reference, const RecordingOptions& options,
+             const Transforms& transforms, const std::function<void(const std::string&)>& warn) {
+  if (!reference.fixes.empty()) {
+    reference.motion.poses = localPoses(reference.fixes);
+    reference.motion.putInOrder();
+    addCourse(reference.motion, options.comparison.interval);
+  }
+  setFrame(twist, options.estimate_frame, warn);
+  setFrame(odometry, "", warn);
+  setFrame(reference, options.reference_frame, warn);
+  for (Stream* stream : {&twist, &odometry, &reference}) {
+    if (stream->topic.empty()) continue;
+    const StreamCounts before = stream->motion.counts;
+    stream->motion.putInOrder();
+    if (!stream->fixes.empty()) {
+      stream->motion.counts.unordered = before.unordered;
+      stream->motion.counts.repeated = before.repeated;
+    }
+    if (stream != &twist) bringToBase(*stream, twist.frame, transforms, warn);
+  }
+}
+
 }  // namespace
 
 void RecordingOptions::describe(FieldList& fields) {
@@ -492,24 +515,7 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
       progress);
 
   if (tf_frames) takePoses(transforms, *tf_frames, reference);
-  if (!reference.fixes.empty()) {
-    reference.motion.poses = localPoses(reference.fixes);
-    reference.motion.putInOrder();
-    addCourse(reference.motion, options.comparison.interval);
-  }
-  setFrame(twist, options.estimate_frame, warn);
-  setFrame(odometry, "", warn);
-  setFrame(reference, options.reference_frame, warn);
-  for (Stream* stream : {&twist, &odometry, &reference}) {
-    if (stream->topic.empty()) continue;
-    const StreamCounts before = stream->motion.counts;
-    stream->motion.putInOrder();
-    if (!stream->fixes.empty()) {
-      stream->motion.counts.unordered = before.unordered;
-      stream->motion.counts.repeated = before.repeated;
-    }
-    if (stream != &twist) bringToBase(*stream, twist.frame, transforms, warn);
-  }
+  prepare(twist, odometry, reference, options, transforms, warn);
   MotionReport report = compareMotion(twist.motion, odometry.motion, reference.motion, options.comparison);
   if (mask_comparison.masks() > 0) {
     report.masks = mask_comparison.report();
