@@ -8,6 +8,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
