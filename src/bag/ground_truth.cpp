@@ -105,6 +105,7 @@ visualization_msgs::MarkerArray toBoxes(const Tables& tables, Index sample) {
     box.color.b = moving ? 0.1F : 0.9F;
     box.color.a = 0.5F;
     box.lifetime = ros::Duration(kBoxLifetime);
+    box.text = at(tables.categories, at(tables.instances, annotation.instance).category).name;
     boxes.markers.push_back(box);
   }
   return boxes;

@@ -10,7 +10,6 @@
 #include "radar_scene.h"
 
 namespace radar_dot::evaluation {
-namespace {
 
 using dataset::kNone;
 using dataset::SampleAnnotation;
@@ -23,15 +22,11 @@ MoverKind kindOf(const std::string& category) {
   return contains("human.") ? MoverKind::kPedestrian : MoverKind::kOther;
 }
 
-BoxState stateOf(const Tables& tables, const SampleAnnotation& annotation, const MovingBox& box,
-                 double min_speed) {
-  const bool has_speed = annotation.previous != kNone || annotation.next != kNone;
+BoxState stateOf(const MovingBox& box, bool has_speed, bool is_called_moving, double min_speed) {
   const bool is_fast = box.velocity.head<2>().norm() >= min_speed;
-  if (!has_speed || isMoving(tables, annotation) != is_fast) return BoxState::kUnknown;
+  if (!has_speed || is_called_moving != is_fast) return BoxState::kUnknown;
   return is_fast ? BoxState::kMoves : BoxState::kStands;
 }
-
-}  // namespace
 
 bool AnnotatedObject::contains(const Eigen::Vector2d& position, double time, double margin) const {
   const Eigen::Vector2d centre = (box.centre + (time - box.time) * box.velocity).head<2>();
@@ -50,7 +45,8 @@ std::vector<AnnotatedObject> annotatedObjects(const Tables& tables, dataset::Ind
     object.box = boxes[i];
     object.instance = annotation.instance;
     object.kind = kindOf(tables.categories[at(category)].name);
-    object.state = stateOf(tables, annotation, boxes[i], min_speed);
+    const bool has_speed = annotation.previous != kNone || annotation.next != kNone;
+    object.state = stateOf(boxes[i], has_speed, isMoving(tables, annotation), min_speed);
     objects.push_back(object);
   }
   return objects;

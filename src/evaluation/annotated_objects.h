@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "radar_dot/dataset/tables.h"
@@ -27,6 +28,13 @@ struct AnnotatedObject {
   /// Is `position` (m, map frame) in the box, moved to `time` and grown by `margin` (m)?
   bool contains(const Eigen::Vector2d& position, double time, double margin) const;
 };
+
+/// Of the name of a category, e.g. "vehicle.car".
+MoverKind kindOf(const std::string& category);
+
+/// @param has_speed  does the track have other boxes?
+/// @param is_called_moving  by the attribute
+BoxState stateOf(const MovingBox& box, bool has_speed, bool is_called_moving, double min_speed);
 
 /// The boxes of a keyframe; see evaluateObjects for their states.
 std::vector<AnnotatedObject> annotatedObjects(const dataset::Tables& tables, dataset::Index sample,

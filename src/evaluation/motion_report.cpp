@@ -61,6 +61,12 @@ void MotionReport::describe(Figures& figures) {
       figures.count("without_truth", masks_without_truth);
     });
   }
+  if (objects) {
+    figures.object("objects", [&] {
+      figures.show(*objects);
+      figures.count("without_objects", keyframes_without_objects);
+    });
+  }
   figures.name(scene);
 }
 
@@ -110,6 +116,13 @@ std::string formatTable(const MotionReport& report) {
                      {"Recall", 9, "recall", 4},
                      {"F1", 9, "f1", 4},
                      {"FP share", 10, "false_positive_share", 4}});
+  }
+  if (report.objects) {
+    text += fmt::format("\n{} keyframes compared, {} without objects at their time\n",
+                        report.objects->keyframes, report.keyframes_without_objects);
+    text += formatTable(std::vector<ObjectReport>(), *report.objects);
+  } else if (!report.objects_missing.empty()) {
+    text += "\nObjects: not compared: " + report.objects_missing + "\n";
   }
   return text;
 }

@@ -23,31 +23,25 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/transform_messages.h"
+#include "recorded_objects.h"
+
 namespace radar_dot::evaluation {
 namespace {
 
 constexpr char kTwist[] = "geometry_msgs/TwistStamped", kOdometry[] = "nav_msgs/Odometry",
                kTwistCovariance[] = "geometry_msgs/TwistWithCovarianceStamped",
                kFix[] = "sensor_msgs/NavSatFix", kImage[] = "sensor_msgs/Image",
-               kCompressed[] = "sensor_msgs/CompressedImage";
+               kCompressed[] = "sensor_msgs/CompressedImage", kCloud[] = "sensor_msgs/PointCloud2",
+               kObjects[] = "radar_dot/MovingObjects", kBoxes[] = "visualization_msgs/MarkerArray";
 constexpr char kTfPrefix[] = "tf:";
 
 Eigen::Vector3d vectorOf(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
-Eigen::Quaterniond rotationOf(const geometry_msgs::Quaternion& q) {
-  return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();
-}
-
-Eigen::Isometry3d isometryOf(const geometry_msgs::Transform& transform) {
-  return Eigen::Translation3d(vectorOf(transform.translation)) * rotationOf(transform.rotation);
-}
-
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
 
 /// What arrived on one topic, in the frame of the source.
 struct Stream {
   std::string topic, frame;
+  std::string fixed_frame;  // of the poses; empty: it has none of a name
   RecordedMotion motion;
   std::vector<std::pair<double, Eigen::Vector3d>> fixes;  // latitude, longitude rad, height m
   std::set<std::string> frames;
@@ -79,6 +73,7 @@ struct Stream {
       const auto odometry = message.instantiate<nav_msgs::Odometry>();
       const double time = timeOf(odometry->header, message);
       frames.insert(withoutSlash(odometry->child_frame_id));
+      fixed_frame = withoutSlash(odometry->header.frame_id);
       const geometry_msgs::Pose& pose = odometry->pose.pose;
       const Eigen::Vector3d position(pose.position.x, pose.position.y, pose.position.z);
       const geometry_msgs::Quaternion& q = pose.orientation;
@@ -87,7 +82,7 @@ struct Stream {
         ++motion.counts.not_finite;
         return;
       }
-      motion.poses.emplace_back(time, Eigen::Translation3d(position) * rotationOf(q));
+      motion.poses.emplace_back(time, isometryOf(pose));
       addTwist(time, odometry->twist.twist, &odometry->twist.covariance);
     } else if (type == kTwistCovariance) {
       const auto twist = message.instantiate<geometry_msgs::TwistWithCovarianceStamped>();
@@ -293,6 +288,69 @@ std::optional<std::pair<std::string, std::string>> framesOf(const RecordingOptio
   return std::make_pair(fixed, frame);
 }
 
+/// Makes transforms the reference.
+void takePoses(const Transforms& transforms, const std::pair<std::string, std::string>& frames,
+               Stream& reference) {
+  transforms.addPoses(frames.first, frames.second, reference.motion);
+  reference.fixed_frame = frames.first;
+  reference.frames = {frames.second};
+  if (reference.motion.poses.size() > 1) return;
+  throw InvalidParameter(
+      {"reference"}, fmt::format("reference: the transforms of the recording do not tell {}; they are: {}",
+                                 reference.topic, transforms.text()));
+}
+
+/// Topics that are there by default are no must.
+bool isWanted(const bag::BagInput& input, const std::string& topic, const std::string& by_default) {
+  return !topic.empty() && (topic != by_default || input.topics().count(topic) > 0);
+}
+
+/// See RecordedObjects. @param missing  why there are none
+std::vector<std::string> objectTopics(const bag::BagInput& input, const RecordingOptions& options,
+                                      const std::function<void(const std::string&)>& warn,
+                                      std::string& missing) {
+  const RecordingOptions defaults;
+  if (options.objects.empty() || options.object_truth.empty()) return {};
+  if (!isWanted(input, options.objects, defaults.objects)) missing = options.objects;
+  if (!isWanted(input, options.object_truth, defaults.object_truth))
+    missing += (missing.empty() ? "" : " and no ") + options.object_truth;
+  if (!missing.empty()) {
+    missing = "the recording has no " + missing;
+    return {};
+  }
+  std::vector<std::string> topics = {checkedTopic(input, options, options.objects, {kObjects}),
+                                     checkedTopic(input, options, options.object_truth, {kBoxes})};
+  if (isWanted(input, options.static_returns, defaults.static_returns) &&
+      isWanted(input, options.dynamic_returns, defaults.dynamic_returns)) {
+    topics.push_back(checkedTopic(input, options, options.static_returns, {kCloud}));
+    topics.push_back(checkedTopic(input, options, options.dynamic_returns, {kCloud}));
+  } else {
+    warn(fmt::format("without {} and {} all movers count as seen by a radar", defaults.static_returns,
+                     defaults.dynamic_returns));
+  }
+  return topics;
+}
+
+/// In the frame of the poses of the reference.
+void compareObjects(RecordedObjects& objects, const Stream& reference, const Stream& odometry,
+                    const std::string& base, const Transforms& transforms, const ObjectMatching& matching,
+                    MotionReport& report) {
+  if (reference.motion.poses.size() < 2 || reference.fixed_frame != objects.frame()) {
+    report.objects_missing =
+        fmt::format("{} has no poses in '{}', the frame of the boxes", reference.topic, objects.frame());
+    return;
+  }
+  std::optional<PoseTrack> path;
+  if (odometry.motion.poses.size() > 1) path.emplace(odometry.motion.poses);
+  const auto T_base_from = [&](const std::string& frame, double time) -> std::optional<Eigen::Isometry3d> {
+    if (frame == base) return Eigen::Isometry3d::Identity();
+    if (!path || frame != odometry.fixed_frame) return transforms.between(base, frame, ros::Time(time));
+    if (!path->covers(time)) return std::nullopt;
+    return path->at(time).inverse();
+  };
+  objects.compare(PoseTrack(reference.motion.poses), T_base_from, report.applied_offset, matching, report);
+}
+
 /// Masks with the truth of the same stamp.
 class MaskComparison {
  public:
@@ -369,72 +427,9 @@ void bringToBase(Stream& stream, const std::string& base, const Transforms& tran
   moveToBase(stream.motion, *T_base_from_frame);
 }
 
-}  // namespace
-
-void RecordingOptions::describe(FieldList& fields) {
-  fields.group("Topics");
-  fields.add("twist", twist, "Estimated velocity: TwistWithCovarianceStamped, TwistStamped or Odometry");
-  fields.add("odometry", odometry, "Estimated path: Odometry; empty: none");
-  fields.add("reference", reference,
-             "Odometry, TwistStamped, TwistWithCovarianceStamped or NavSatFix; or tf:FIXED_FRAME:FRAME");
-  fields.add("estimate_frame", estimate_frame, "Frame of the estimated velocity; empty: as its messages say");
-  fields.add("reference_frame", reference_frame, "Frame of the reference; empty: as its messages say");
-  fields.add("masks", masks, "Estimated masks: Image; empty: none");
-  fields.add("mask_truth", mask_truth, "True masks: CompressedImage");
-  comparison.describe(fields);
-}
-
-MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOptions& options,
-                               const std::function<void(const std::string&)>& warn,
-                               const std::function<void(double)>& progress) {
-  validateFields(options);
-  const RecordingOptions defaults;
-  Stream twist, odometry, reference;
-  twist.topic = checkedTopic(input, options, options.twist, {kTwistCovariance, kTwist, kOdometry});
-  const auto has = [&](const std::string& topic) { return input.topics().count(topic) > 0; };
-  const auto isWanted = [&](const std::string& topic, const std::string& by_default) {
-    return !topic.empty() && (topic != by_default || has(topic));
-  };
-  if (isWanted(options.odometry, defaults.odometry))
-    odometry.topic = checkedTopic(input, options, options.odometry, {kOdometry});
-  const auto tf_frames = framesOf(options);
-  reference.topic = options.reference;
-  if (!tf_frames)
-    reference.topic =
-        checkedTopic(input, options, options.reference, {kOdometry, kTwistCovariance, kTwist, kFix});
-  std::string masks, mask_truth;
-  if (isWanted(options.masks, defaults.masks) && isWanted(options.mask_truth, defaults.mask_truth)) {
-    masks = checkedTopic(input, options, options.masks, {kImage});
-    mask_truth = checkedTopic(input, options, options.mask_truth, {kCompressed});
-  }
-
-  Transforms transforms;
-  MaskComparison mask_comparison;
-  std::vector<std::string> topics = {"/tf", "/tf_static", twist.topic};
-  for (const std::string& topic : {odometry.topic, reference.topic, masks, mask_truth})
-    if (!topic.empty()) topics.push_back(topic);
-  input.read(
-      topics,
-      [&](const rosbag::MessageInstance& message) {
-        const std::string& topic = message.getTopic();
-        if (topic == "/tf" || topic == "/tf_static") transforms.add(message);
-        for (Stream* stream : {&twist, &odometry, &reference})
-          if (topic == stream->topic) stream->add(message);
-        if (topic == masks) mask_comparison.addMask(*message.instantiate<sensor_msgs::Image>());
-        if (topic == mask_truth)
-          mask_comparison.addTruth(*message.instantiate<sensor_msgs::CompressedImage>());
-      },
-      progress);
-
-  if (tf_frames) {
-    transforms.addPoses(tf_frames->first, tf_frames->second, reference.motion);
-    reference.frames = {tf_frames->second};
-    if (reference.motion.poses.size() < 2)
-      throw InvalidParameter(
-          {"reference"},
-          fmt::format("reference: the transforms of the recording do not tell {}; they are: {}",
-                      options.reference, transforms.text()));
-  }
+/// Brings all to the order of time and to the frame of the estimate.
+void prepare(Stream& twist, Stream& odometry, Stream& reference, const RecordingOptions& options,
+             const Transforms& transforms, const std::function<void(const std::string&)>& warn) {
   if (!reference.fixes.empty()) {
     reference.motion.poses = localPoses(reference.fixes);
     reference.motion.putInOrder();
@@ -453,11 +448,82 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
     }
     if (stream != &twist) bringToBase(*stream, twist.frame, transforms, warn);
   }
+}
+
+}  // namespace
+
+void RecordingOptions::describe(FieldList& fields) {
+  fields.group("Topics");
+  fields.add("twist", twist, "Estimated velocity: TwistWithCovarianceStamped, TwistStamped or Odometry");
+  fields.add("odometry", odometry, "Estimated path: Odometry; empty: none");
+  fields.add("reference", reference,
+             "Odometry, TwistStamped, TwistWithCovarianceStamped or NavSatFix; or tf:FIXED_FRAME:FRAME");
+  fields.add("estimate_frame", estimate_frame, "Frame of the estimated velocity; empty: as its messages say");
+  fields.add("reference_frame", reference_frame, "Frame of the reference; empty: as its messages say");
+  fields.add("masks", masks, "Estimated masks: Image; empty: none");
+  fields.add("mask_truth", mask_truth, "True masks: CompressedImage");
+  fields.add("objects", objects, "Tracked objects: MovingObjects; empty: none");
+  fields.add("object_truth", object_truth, "True boxes: MarkerArray of nuscenes_to_bag");
+  fields.add("static_returns", static_returns, "Returns that tell which movers the radars saw: PointCloud2");
+  fields.add("dynamic_returns", dynamic_returns, "The same of those that move: PointCloud2");
+  fields.group("Objects");
+  matching.describe(fields);
+  comparison.describe(fields);
+}
+
+MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOptions& options,
+                               const std::function<void(const std::string&)>& warn,
+                               const std::function<void(double)>& progress) {
+  validateFields(options);
+  const RecordingOptions defaults;
+  Stream twist, odometry, reference;
+  twist.topic = checkedTopic(input, options, options.twist, {kTwistCovariance, kTwist, kOdometry});
+  if (isWanted(input, options.odometry, defaults.odometry))
+    odometry.topic = checkedTopic(input, options, options.odometry, {kOdometry});
+  const auto tf_frames = framesOf(options);
+  reference.topic = options.reference;
+  if (!tf_frames)
+    reference.topic =
+        checkedTopic(input, options, options.reference, {kOdometry, kTwistCovariance, kTwist, kFix});
+  std::string masks, mask_truth;
+  if (isWanted(input, options.masks, defaults.masks) &&
+      isWanted(input, options.mask_truth, defaults.mask_truth)) {
+    masks = checkedTopic(input, options, options.masks, {kImage});
+    mask_truth = checkedTopic(input, options, options.mask_truth, {kCompressed});
+  }
+  std::string no_objects;
+  RecordedObjects objects(objectTopics(input, options, warn, no_objects));
+
+  Transforms transforms;
+  MaskComparison mask_comparison;
+  std::vector<std::string> topics = {"/tf", "/tf_static", twist.topic};
+  for (const std::string& topic : {odometry.topic, reference.topic, masks, mask_truth})
+    if (!topic.empty()) topics.push_back(topic);
+  topics.insert(topics.end(), objects.topics().begin(), objects.topics().end());
+  input.read(
+      topics,
+      [&](const rosbag::MessageInstance& message) {
+        const std::string& topic = message.getTopic();
+        if (topic == "/tf" || topic == "/tf_static") transforms.add(message);
+        for (Stream* stream : {&twist, &odometry, &reference})
+          if (topic == stream->topic) stream->add(message);
+        if (topic == masks) mask_comparison.addMask(*message.instantiate<sensor_msgs::Image>());
+        if (topic == mask_truth)
+          mask_comparison.addTruth(*message.instantiate<sensor_msgs::CompressedImage>());
+        objects.add(message);
+      },
+      progress);
+
+  if (tf_frames) takePoses(transforms, *tf_frames, reference);
+  prepare(twist, odometry, reference, options, transforms, warn);
   MotionReport report = compareMotion(twist.motion, odometry.motion, reference.motion, options.comparison);
   if (mask_comparison.masks() > 0) {
     report.masks = mask_comparison.report();
     report.masks_without_truth = mask_comparison.masks() - report.masks->frames;
   }
+  report.objects_missing = no_objects;
+  if (!objects.topics().empty())
+    compareObjects(objects, reference, odometry, twist.frame, transforms, options.matching, report);
   return report;
 }
 

@@ -16,6 +16,9 @@ struct RecordingOptions {
   std::string twist = "/ego/twist", odometry = "/odom", reference;
   std::string estimate_frame, reference_frame;
   std::string masks = "/dynamic/mask", mask_truth = "/ground_truth/dynamic_mask/compressed";
+  std::string objects = "/dynamic/objects", object_truth = "/ground_truth/boxes";
+  std::string static_returns = "/radar/static", dynamic_returns = "/radar/dynamic";
+  ObjectMatching matching;
   ComparisonOptions comparison;
   void describe(FieldList& fields);
 };

@@ -53,8 +53,11 @@ class CommandLine {
   /// that no report brings back where it was written.
   void addOutputs(const std::string& heading, const FieldList& fields, const FieldFilter& filter = {});
 
-  /// The words before the first option are the items of this list.
-  void takeWords(const std::string& name) { words_ = known(name).name; }
+  /// The words before the first option are the items of this list; `item` is what the usage calls one.
+  void takeWords(const std::string& name, const std::string& item) {
+    words_ = known(name).name;
+    usage_ = " " + item + "...";
+  }
   /// An option that must be given, with a text that is not empty, where the condition holds after reading
   /// all of them (empty: always). `alternative` is the option that takes its place, if there is one.
   void require(const std::string& name, const std::string& alternative = "",
@@ -125,7 +128,7 @@ class CommandLine {
   std::string unknownOption(const std::string& name) const;
   int complain(const std::string& line) const;
 
-  std::string tool_, purpose_, words_;  // words_: option of the leading words
+  std::string tool_, purpose_, words_, usage_;  // words_: option of the leading words; usage_: these
   std::vector<std::string> examples_;
   std::vector<Section> sections_;
   std::vector<Option> options_;

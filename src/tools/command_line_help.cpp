@@ -94,7 +94,8 @@ std::string CommandLine::helpOf(const Option& option) const {
 }
 
 std::string CommandLine::help() const {
-  std::string text = "Usage: " + tool_ + (sections_.empty() ? "" : " [--config FILE]...") + " [OPTION]...\n";
+  std::string text =
+      "Usage: " + tool_ + usage_ + (sections_.empty() ? "" : " [--config FILE]...") + " [OPTION]...\n";
   text += wrapped("", purpose_, "", kWidth) + "\n";
   const bool has_flags =
       std::any_of(options_.begin(), options_.end(), [](const Option& option) { return option.isFlag(); });

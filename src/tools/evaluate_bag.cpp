@@ -33,14 +33,14 @@ int main(int argc, char** argv) {
   Options options;
   tools::ResultFiles files;
   tools::CommandLine command_line(
-      "evaluate_bag", "Compares velocities, paths, masks in a bag with a reference in it.",
+      "evaluate_bag", "Compares velocities, paths, masks and objects in a bag with a reference in it.",
       {"evaluate_bag out.bag --reference /ground_truth/odom --json result.json",
        "evaluate_bag out.bag gnss.bag --reference /gps/fix --align-time",
        "evaluate_bag foreign.bag --twist /radar/twist --odometry \"\" --reference tf:map:base_link"});
   command_line.setSections(sectionsOf(configuration));
   command_line.add("", fieldsOf(options));
   command_line.addOutputs("", fieldsOf(files));
-  command_line.takeWords("bags");
+  command_line.takeWords("bags", "BAG");
   command_line.require("bags");
   command_line.require("reference");
   if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;

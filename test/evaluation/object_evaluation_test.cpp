@@ -41,11 +41,11 @@ TEST(ObjectEvaluation, FindsTheCarAhead) {
 TEST(ObjectEvaluation, OnlyTheRegionCounts) {
   const NuscenesFixture fixture;
   ObjectEvaluationOptions options;
-  options.max_range = 10.0;
+  options.matching.max_range = 10.0;
   EXPECT_EQ(evaluate(fixture, options).all().movers, 0U);
   EXPECT_TRUE(std::isnan(evaluate(fixture, options).all().recall()));
   options = {};
-  options.min_speed = 12.0;
+  options.matching.min_speed = 12.0;
   EXPECT_EQ(evaluate(fixture, options).all().movers, 0U) << "called moving, but slower: unknown";
 }
 

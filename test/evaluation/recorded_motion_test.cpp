@@ -7,17 +7,23 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
+#include <radar_dot/MovingObjects.h>
 #include <rosbag/bag.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/NavSatFix.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
 #include <tf2_msgs/TFMessage.h>
+#include <visualization_msgs/MarkerArray.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fixtures/files.h"
@@ -354,6 +360,145 @@ TEST_F(RecordedMotionTest, MasksOfTheSameStamp) {
   EXPECT_NEAR(figure(report, "masks/precision"), 0.5, 1e-9);
 }
 
+// To the north of the map at 10 m/s, with an odometry that calls it east, behind a car at 8 m/s; on the left
+// a parked car, on the right a pedestrian. Boxes twice a second, tracks 30 ms after the second of three
+// keyframes.
+class RecordedObjectsTest : public RecordedMotionTest {
+ protected:
+  static constexpr double kStamp = 1.53;  // s
+
+  RecordedObjectsTest() {
+    for (int i = 0; i <= 30; ++i) {
+      const double time = 0.1 * i;
+      write("/truth", time, odometryOf(100.0, 10.0 * time, M_PI_2), "map");
+      write("/odom", time, odometryOf(10.0 * time, 0.0, 0.0), "odom");
+      estimate(time, 10.0, 0.0, 0.0);
+    }
+    transform("/tf_static", 0.0, "base_link", "radar", 3.0, 0.0);
+  }
+
+  void boxes() {
+    for (const double time : {1.0, 1.5, 2.0}) {
+      visualization_msgs::MarkerArray array;
+      const auto add = [&](int id, double x, double y, const char* category, bool moves) {
+        visualization_msgs::Marker& box = array.markers.emplace_back();
+        box.header.stamp = ros::Time(kStart + time);
+        box.header.frame_id = "map";
+        box.id = id;
+        box.type = visualization_msgs::Marker::CUBE;
+        box.text = category;
+        (moves ? box.color.r : box.color.b) = 0.9F;
+        box.pose.position.x = x;
+        box.pose.position.y = y;
+        box.pose.orientation.w = box.pose.orientation.z = std::sqrt(0.5);
+        box.scale.x = 4.0;
+        box.scale.y = 2.0;
+      };
+      add(1, 100.0, 30.0 + 8.0 * time, "vehicle.car", true);
+      add(2, 95.0, 40.0, "vehicle.car", false);
+      add(3, 103.0, 20.0 + time, "human.pedestrian.adult", true);
+      bag_.write("/ground_truth/boxes", ros::Time(kStart + time), array);
+    }
+  }
+
+  void returns(const std::string& topic, double time, const std::vector<std::array<float, 3>>& points) {
+    sensor_msgs::PointCloud2 cloud;
+    cloud.height = 1;
+    sensor_msgs::PointCloud2Modifier modifier(cloud);
+    modifier.setPointCloud2Fields(4, "x", 1, sensor_msgs::PointField::FLOAT32, "y", 1,
+                                  sensor_msgs::PointField::FLOAT32, "z", 1, sensor_msgs::PointField::FLOAT32,
+                                  "residual", 1, sensor_msgs::PointField::FLOAT32);
+    modifier.resize(points.size());
+    sensor_msgs::PointCloud2Iterator<float> x(cloud, "x");
+    for (const auto& [ahead, left, residual] : points) {
+      x[0] = ahead;
+      x[1] = left;
+      x[2] = 0.F;
+      x[3] = residual;
+      ++x;
+    }
+    write(topic, time, cloud, "radar");
+  }
+
+  /// @param shift  m, of the axes of the frame to the front
+  void tracks(const std::string& frame, double shift) {
+    MovingObjects message;
+    const auto add = [&](double x, double y) {
+      MovingObject& object = message.objects.emplace_back();
+      object.id = message.objects.size();
+      object.position.x = x - shift;
+      object.position.y = y;
+      object.velocity.x = 8.4;
+      object.velocity.y = 0.3;
+      object.velocity_covariance = {0.125, 0.0, 0.0, 0.125};
+    };
+    add(30.0 + 8.0 * kStamp - 1.5, 0.0);  // the rear of the car
+    add(40.0, 5.0);                       // the parked car
+    add(50.0, 10.0);                      // nothing
+    add(-10.0, 0.0);                      // behind
+    write("/dynamic/objects", kStamp, message, frame);
+  }
+
+  /// @param unmoving  pedestrians with a return that does not move
+  void expectFigures(double unmoving) {
+    const MotionReport report = evaluate();
+    const std::vector<std::pair<std::string, double>> expected = {{"keyframes", 1},
+                                                                  {"without_objects", 2},
+                                                                  {"tracks", 3},
+                                                                  {"true_tracks", 1},
+                                                                  {"standing_tracks", 1},
+                                                                  {"empty_tracks", 1},
+                                                                  {"precision", 1.0 / 3.0},
+                                                                  {"movers_vehicle", 1},
+                                                                  {"movers_pedestrian", 1},
+                                                                  {"recall_vehicle", 1.0},
+                                                                  {"recall_pedestrian", 0.0},
+                                                                  {"unseen_all", 0},
+                                                                  {"unmoving_vehicle", 0},
+                                                                  {"unmoving_pedestrian", unmoving},
+                                                                  {"position_mae_all", 1.5},
+                                                                  {"radial_mae_all", 0.4},
+                                                                  {"velocity_mae_all", 0.5},
+                                                                  {"velocity_nees_all", 2.0}};
+    for (const auto& [key, value] : expected)
+      EXPECT_NEAR(figure(report, "objects/" + key), value, 1e-6) << key;
+    EXPECT_THAT(formatTable(report), HasSubstr("1 keyframes compared, 2 without objects"));
+  }
+};
+
+TEST_F(RecordedObjectsTest, InTheFrameOfTheOdometry) {
+  boxes();
+  returns("/radar/dynamic", 1.4, {{24.2F, 0.F, -2.F}});  // the car
+  returns("/radar/static", 1.4, {{4.4F, -3.F, 0.1F}});   // the pedestrian
+  tracks("odom", 0.0);
+  expectFigures(1);
+  EXPECT_TRUE(doubts_.empty());
+}
+
+TEST_F(RecordedObjectsTest, InTheBaseFrameWithoutReturns) {
+  boxes();
+  tracks("base_link", 10.0 * kStamp);
+  expectFigures(0);
+  EXPECT_THAT(doubts_, ElementsAre(HasSubstr("without /radar/static")));
+}
+
+TEST_F(RecordedObjectsTest, WithoutBoxes) {
+  tracks("odom", 0.0);
+  const MotionReport report = evaluate();
+  EXPECT_FALSE(report.objects);
+  EXPECT_THAT(formatTable(report),
+              HasSubstr("Objects: not compared: the recording has no /ground_truth/boxes\n"));
+}
+
+TEST_F(RecordedObjectsTest, NeedPosesInTheFrameOfTheBoxes) {
+  boxes();
+  tracks("odom", 0.0);
+  options_.reference = "/odom";
+  const MotionReport report = evaluate();
+  EXPECT_FALSE(report.objects);
+  EXPECT_THAT(formatTable(report), HasSubstr("/odom has no poses in 'map'"));
+}
+
 TEST_F(RecordedMotionTest, SaysWhichTopicsThereAre) {
   estimate(0.0, 5.0, 0.0, 0.0);
   write("/gnss", 0.0, odometryOf(0.0, 0.0, 0.0), "map");
@@ -396,6 +541,8 @@ TEST_F(RecordedMotionTest, Tool) {
             0);
   EXPECT_THAT(test::readFile(folder_.path() / "r.csv"), HasSubstr("vx/mae"));
   test::expectReportRepeatsRun(TOOL, bag + " --reference /truth");
+  EXPECT_THAT(test::runCommand(tool + "--help").text,
+              HasSubstr("Usage: evaluate_bag BAG... [--config FILE]... [OPTION]...\n"));
   test::expectOneLineRefusal(tool + "--reference /truth", "evaluate_bag", "--bags must be given");
   test::expectOneLineRefusal(tool + bag + " --reference /none", "evaluate_bag", "--reference");
   test::expectOneLineRefusal(tool + bag + " none.bag --reference /truth", "evaluate_bag", "none.bag");

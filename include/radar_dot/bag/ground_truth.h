@@ -30,7 +30,8 @@ std::vector<StampedTwist> egoTwists(const dataset::Tables& tables, const std::ve
 nav_msgs::Odometry toOdometry(const dataset::EgoPose& pose, const StampedTwist& twist);
 
 /// The annotated boxes of a keyframe as cubes in the map frame, after a marker that deletes those
-/// of the keyframe before. The marker's id is the instance's row; red = moves, blue = does not.
+/// of the keyframe before. The marker's id is the instance's row, its text the category; red = moves,
+/// blue = does not.
 visualization_msgs::MarkerArray toBoxes(const dataset::Tables& tables, dataset::Index sample);
 
 /// Union of the masks of the moving instances of one image as PNG (mono8, 255 = moves).

@@ -14,6 +14,7 @@
 #include "radar_dot/common/pose_buffer.h"
 #include "radar_dot/common/stamped_twist.h"
 #include "radar_dot/evaluation/figures.h"
+#include "radar_dot/evaluation/object_evaluation.h"
 #include "radar_dot/evaluation/pose_track.h"
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 
@@ -130,6 +131,9 @@ struct MotionReport {
   std::optional<PathErrors> reference_heading, own_heading, odometry;
   std::optional<SegmentationReport> masks;
   std::uint64_t masks_without_truth = 0;
+  std::optional<ObjectReport> objects;
+  std::uint64_t keyframes_without_objects = 0;
+  std::string objects_missing;  ///< why they are not compared; empty: they are, or are not wanted
   void describe(Figures& figures);
 };
 

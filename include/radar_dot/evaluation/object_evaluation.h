@@ -20,6 +20,17 @@ namespace radar_dot::evaluation {
 /// Which returns objects are sought in.
 enum class ObjectReturns { kStrict, kReserved, kAll };
 
+/// Which objects count, and which track is which.
+struct ObjectMatching {
+  double max_range = 50.0;
+  double max_azimuth = 1.0471975511965976;
+  double margin = 1.0;
+  double min_speed = 0.5;
+  double centre_distance = 2.0;  ///< m; a track this near to the centre of a box matches too
+  double unseen_time = 0.5;      ///< s before a keyframe in which a return makes a mover seen
+  void describe(FieldList& fields);
+};
+
 /// What is evaluated, and with which parameters.
 struct ObjectEvaluationOptions {
   /// Of the ego velocity; radars, scale and bearing delay count for the objects too. Its filter is always on,
@@ -37,12 +48,7 @@ struct ObjectEvaluationOptions {
   ObjectReturns object_returns = ObjectReturns::kReserved;
   /// Returns that are left out for their states alone start no track, but may continue one.
   bool doubtful = true;
-  double max_range = 50.0;
-  double max_azimuth = 1.0471975511965976;
-  double margin = 1.0;
-  double min_speed = 0.5;
-  double centre_distance = 2.0;  ///< m; a track this near to the centre of a box matches too
-  double unseen_time = 0.5;      ///< s before a keyframe in which a return makes a mover seen
+  ObjectMatching matching;
 
   /// Those that are in no section of a configuration file.
   void describe(FieldList& fields);

@@ -33,18 +33,6 @@ std::shared_ptr<tf2_ros::Buffer> sharedBuffer(const ros::NodeHandle& handle) {
 
 }  // namespace
 
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
-
-Eigen::Isometry3d isometryOf(const geometry_msgs::Transform& transform) {
-  const geometry_msgs::Quaternion& q = transform.rotation;
-  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
-  result.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
-  result.translation() << transform.translation.x, transform.translation.y, transform.translation.z;
-  return result;
-}
-
 geometry_msgs::Transform transformOf(const Eigen::Isometry3d& isometry) {
   const Eigen::Quaterniond rotation(isometry.linear());
   geometry_msgs::Transform transform;

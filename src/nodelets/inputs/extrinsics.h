@@ -11,6 +11,8 @@
 #include <optional>
 #include <string>
 
+#include "common/transform_messages.h"
+
 namespace radar_dot {
 
 /// Mounts of sensors from TF, for as long as the process runs: asks for the latest transform each time, so
@@ -36,11 +38,6 @@ class Extrinsics {
   std::map<std::string, Eigen::Isometry3d> last_;
 };
 
-/// tf2 knows no leading slash; drivers from the days of tf still send it.
-std::string withoutSlash(const std::string& frame);
-
-/// The transform of a message.
-Eigen::Isometry3d isometryOf(const geometry_msgs::Transform& transform);
 geometry_msgs::Transform transformOf(const Eigen::Isometry3d& isometry);
 
 }  // namespace radar_dot
