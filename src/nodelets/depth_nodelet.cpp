@@ -118,7 +118,10 @@ void DepthNodelet::onImage(LazyImage picture) {
                                   nameOf(config_, config_.lidar_max_age) + ")");
     }
   }
-  if (needs().radar) input.radar_points = radar_clouds_->positionsAt(header.stamp, config_.radar_max_age);
+  if (needs().radar) {
+    input.radar_points =
+        radar_clouds_->positionsAt(header.stamp, config_.radar_max_age, &config_.depth.radar_ground.ground);
+  }
   points_ = input.lidar_points.size() + input.radar_points.size();
   cv::Mat depth = estimator_->estimate(input);
   known_share_ = clean(depth, config_.depth.max_depth);

@@ -185,7 +185,7 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
 void DynamicSegmentationNodelet::addRadarPoints(Inputs& inputs) {
   const ros::Time& stamp = inputs.messages.flow->header.stamp;
   if (config_.motion.radar.dynamic_gain > 0.0)
-    inputs.pair.dynamic_points = dynamic_returns_->at(stamp, config_.radar_max_age);
+    inputs.pair.dynamic_points = dynamic_returns_->at(stamp, config_.radar_max_age, &config_.ground);
   if (config_.motion.radar.static_gain > 0.0)
     inputs.pair.static_points = static_returns_->at(stamp, config_.radar_max_age);
 }

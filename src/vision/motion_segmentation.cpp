@@ -17,6 +17,7 @@
 #include "motion_pass.h"
 #include "parallel_rows.h"
 #include "radar_dot/vision/motion_terms.h"
+#include "radar_dot/vision/return_reach.h"
 #include "radar_dot/vision/uncertainty_terms.h"
 #include "vectorised.h"
 
@@ -119,9 +120,9 @@ struct MotionSegmenter::Workspace {
   std::vector<float> candidates;
 
   double medianDepth(const MotionInput& input, float max_depth);
-  void drawFootprints(const MotionInput& input, const MotionParams& params);
-  void drawFootprint(const CameraIntrinsics& camera, const Eigen::Vector3f& point, const MotionParams& params,
-                     std::uint8_t value);
+  void drawFootprints(const MotionInput& input, const RadarEvidenceParams& params);
+  void drawFootprints(const CameraIntrinsics& camera, const std::vector<Eigen::Vector3f>& points,
+                      const RadarEvidenceParams& params, std::uint8_t value);
   double score(const MotionInput& input, const PassConstants& pass, cv::Mat& scores);
   void addPairBefore(double scale_ratio);
   void addBelief(const cv::Mat& belief);
@@ -148,32 +149,34 @@ double MotionSegmenter::Workspace::medianDepth(const MotionInput& input, float m
       medianOf(input.depth, sum, sum.finiteCount(), local_candidates, candidates, known));
 }
 
-void MotionSegmenter::Workspace::drawFootprint(const CameraIntrinsics& camera, const Eigen::Vector3f& point,
-                                               const MotionParams& params, std::uint8_t value) {
-  if (!(point.z() > 0.1F) || !point.allFinite()) return;
-  const auto half_width = static_cast<float>(
-      std::max(params.radar.radius, params.radar.azimuth_std * static_cast<double>(point.norm())));
-  const auto corner = [&](float right, float down) {
-    const Eigen::Vector2d pixel = camera.project((point + Eigen::Vector3f(right, down, 0.0F)).cast<double>());
-    // Far outside is outside; the conversion to int must not overflow.
-    return cv::Point(static_cast<int>(std::lround(std::clamp(pixel.x(), -1e5, 1e5))),
-                     static_cast<int>(std::lround(std::clamp(pixel.y(), -1e5, 1e5))));
-  };
-  cv::rectangle(footprints, corner(-half_width, -kFootprintAbove), corner(half_width, kFootprintBelow),
-                cv::Scalar(value), cv::FILLED);
+void MotionSegmenter::Workspace::drawFootprints(const CameraIntrinsics& camera,
+                                                const std::vector<Eigen::Vector3f>& points,
+                                                const RadarEvidenceParams& params, std::uint8_t value) {
+  std::vector<Eigen::Vector2f> places;
+  for (const Eigen::Vector3f& point : points) places.emplace_back(point.x(), point.z());
+  const std::vector<float> reaches = reachesOf(places, static_cast<float>(params.radius));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f& point = points[i];
+    if (!(point.z() > 0.1F) || !point.allFinite()) continue;
+    const float half_width = std::max(reaches[i], static_cast<float>(params.azimuth_std) * point.norm());
+    const auto corner = [&](float right, float down) {
+      const Eigen::Vector2d pixel =
+          camera.project((point + Eigen::Vector3f(right, down, 0.0F)).cast<double>());
+      // Far outside is outside; the conversion to int must not overflow.
+      return cv::Point(static_cast<int>(std::lround(std::clamp(pixel.x(), -1e5, 1e5))),
+                       static_cast<int>(std::lround(std::clamp(pixel.y(), -1e5, 1e5))));
+    };
+    cv::rectangle(footprints, corner(-half_width, -kFootprintAbove), corner(half_width, kFootprintBelow),
+                  cv::Scalar(value), cv::FILLED);
+  }
 }
 
-void MotionSegmenter::Workspace::drawFootprints(const MotionInput& input, const MotionParams& params) {
+void MotionSegmenter::Workspace::drawFootprints(const MotionInput& input, const RadarEvidenceParams& params) {
   footprints.create(input.camera.height, input.camera.width, CV_8UC1);
   footprints.setTo(0);
-  if (params.radar.static_gain > 0.0) {
-    for (const Eigen::Vector3f& point : input.static_points)
-      drawFootprint(input.camera, point, params, kStaticReturn);
-  }
-  if (params.radar.dynamic_gain > 0.0) {  // over the others: one that moves before a wall counts
-    for (const Eigen::Vector3f& point : input.dynamic_points)
-      drawFootprint(input.camera, point, params, kDynamicReturn);
-  }
+  if (params.static_gain > 0.0) drawFootprints(input.camera, input.static_points, params, kStaticReturn);
+  // Over the others: one that moves before a wall counts.
+  if (params.dynamic_gain > 0.0) drawFootprints(input.camera, input.dynamic_points, params, kDynamicReturn);
 }
 
 /// Fills `scores`, and `sum`. @return their median; 0 where all pixels are excluded
@@ -332,7 +335,8 @@ MotionResult MotionSegmenter::segment(const MotionInput& input, const MotionInpu
   Workspace& work = *workspace_;
   MotionResult& result = work.result;
   result.median_depth = work.medianDepth(input, static_cast<float>(params_.max_depth));
-  if (!input.dynamic_points.empty() || !input.static_points.empty()) work.drawFootprints(input, params_);
+  if (!input.dynamic_points.empty() || !input.static_points.empty())
+    work.drawFootprints(input, params_.radar);
   const PassConstants pass(input, params_, result.median_depth);
   if (!by_uncertainty) {
     result.median = work.score(input, pass, result.score);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "depth_backends.h"
+#include "radar_dot/vision/return_reach.h"
 
 namespace radar_dot {
 namespace {
@@ -169,8 +170,13 @@ class RadarGroundDepth : public DepthEstimator {
   std::vector<Column> columnsOf(const DepthInput& input) const {
     const Eigen::Isometry3d T_camera_from_base = input.T_base_from_camera.inverse();
     const double slope = std::tan(params_.radar_ground.ground.pitch);
+    std::vector<Eigen::Vector2f> places;
+    for (const Eigen::Vector3f& point : input.radar_points) places.emplace_back(point.head<2>());
+    const std::vector<float> reaches =
+        reachesOf(places, static_cast<float>(params_.radar_ground.column_half_width));
     std::vector<Column> columns;
-    for (const Eigen::Vector3f& point : input.radar_points) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const Eigen::Vector3f& point = input.radar_points[i];
       if (!point.allFinite()) continue;
       // A planar radar knows no height: the column stands on the ground.
       const double x = static_cast<double>(point.x());
@@ -182,8 +188,8 @@ class RadarGroundDepth : public DepthEstimator {
       if (!(foot.z() > kNearest) || !(head.z() > kNearest) || foot.z() > params_.max_depth) continue;
       const Eigen::Vector2d bottom = input.camera.project(foot);
       const Eigen::Vector2d top = input.camera.project(head);
-      const double half_width = std::max(params_.radar_ground.column_half_width,
-                                         params_.radar_ground.azimuth_std * std::hypot(x, y));
+      const double half_width =
+          std::max(static_cast<double>(reaches[i]), params_.radar_ground.azimuth_std * std::hypot(x, y));
       const double half_pixels = input.camera.fx * half_width / foot.z();
       columns.push_back({bottom.x(), bottom.x() - half_pixels, bottom.x() + half_pixels, top.y(), bottom.y(),
                          static_cast<float>(foot.z())});

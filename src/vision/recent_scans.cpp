@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/vision/recent_scans.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -13,12 +14,34 @@ constexpr double kKept = 4.0;
 constexpr std::size_t kMaxScans = 200;    // of each sensor
 constexpr std::size_t kMaxSensors = 100;  // more are frame names that vary from message to message
 
+// What is upright, m above the ground: not the road and what lies on it, nor ghosts and what hangs over it.
+constexpr float kLowest = 0.5F;
+constexpr float kHighest = 4.0F;
+constexpr float kElevationStd = 0.02F;  // rad, of far returns, by which both limits give way
+constexpr float kNear = 20.0F;          // m
+
+/// A planar radar puts all returns into one plane of its own.
+bool tellsHeights(const std::vector<CloudPoint>& points) {
+  constexpr float kSpread = 0.05F;  // m
+  return std::any_of(points.begin(), points.end(), [&points](const CloudPoint& point) {
+    return std::fabs(point.position.z() - points.front().position.z()) > kSpread;
+  });
+}
+
+bool isUpright(const Eigen::Vector3f& position, const GroundParams& ground) {
+  const float height = position.z() - static_cast<float>(ground.height) -
+                       std::tan(static_cast<float>(ground.pitch)) * position.x();
+  const float margin = kElevationStd * std::max(0.0F, position.head<2>().norm() - kNear);
+  return height > kLowest - margin && height < kHighest + margin;
+}
+
 }  // namespace
 
 void RecentScans::add(const Sensor& sensor, double time, std::vector<CloudPoint> points) {
   if (scans_.size() > kMaxSensors) scans_.clear();
   std::deque<Scan>& scans = scans_[sensor];
-  scans.push_back({time, std::move(points)});
+  const bool tells_heights = tellsHeights(points);
+  scans.push_back({time, std::move(points), tells_heights});
   while (scans.size() > kMaxScans || time - scans.front().time > kKept) scans.pop_front();
 }
 
@@ -34,8 +57,8 @@ const RecentScans::Scan* RecentScans::nearest(const std::deque<Scan>& scans, dou
   return nearest;
 }
 
-std::vector<CloudPoint> RecentScans::at(double time, double max_age, const Mount& mount,
-                                        const Motion& motion) const {
+std::vector<CloudPoint> RecentScans::at(double time, double max_age, const Mount& mount, const Motion& motion,
+                                        const GroundParams* ground) const {
   std::vector<CloudPoint> points;
   for (const auto& [sensor, scans] : scans_) {
     const Scan* scan = nearest(scans, time, max_age);
@@ -45,7 +68,13 @@ std::vector<CloudPoint> RecentScans::at(double time, double max_age, const Mount
     const std::optional<Eigen::Isometry3d> T_now_from_scan = motion(time, scan->time);
     const Eigen::Isometry3f T =
         (T_now_from_scan ? *T_now_from_scan * *T_base_from_sensor : *T_base_from_sensor).cast<float>();
-    for (const CloudPoint& point : scan->points) points.push_back({T * point.position, point.residual});
+    // Of a planar radar that has one return all heights are the same, too: it is the sensor that tells.
+    const bool with_heights = ground != nullptr && std::any_of(scans.begin(), scans.end(),
+                                                               [](const Scan& s) { return s.tells_heights; });
+    for (const CloudPoint& point : scan->points) {
+      const Eigen::Vector3f position = T * point.position;
+      if (!with_heights || isUpright(position, *ground)) points.push_back({position, point.residual});
+    }
   }
   return points;
 }

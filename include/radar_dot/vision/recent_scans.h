@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "radar_dot/vision/ground_plane.h"
+
 namespace radar_dot {
 
 /// A point of a cloud.
@@ -40,12 +42,17 @@ class RecentScans {
 
   /// Base frame at `time`, of the scan of each sensor that is nearest to it, within `max_age` s. Points are
   /// where they were seen, as parts of a static world; where the motion since is not known, it is none.
-  std::vector<CloudPoint> at(double time, double max_age, const Mount& mount, const Motion& motion) const;
+  /// @param ground  where given, what is on it or overhead is left out, of sensors that tell heights: a
+  /// return
+  ///                then stands for something upright
+  std::vector<CloudPoint> at(double time, double max_age, const Mount& mount, const Motion& motion,
+                             const GroundParams* ground = nullptr) const;
 
  private:
   struct Scan {
     double time = 0.0;
     std::vector<CloudPoint> points;
+    bool tells_heights = false;
   };
   static const Scan* nearest(const std::deque<Scan>& scans, double time, double max_age);
 

@@ -72,7 +72,7 @@ void RecentClouds::add(const std::string& topic, const sensor_msgs::PointCloud2&
   scans_.add({cloud.header.frame_id, topic}, cloud.header.stamp.toSec(), pointsOf(cloud));
 }
 
-std::vector<CloudPoint> RecentClouds::at(const ros::Time& time, double max_age) {
+std::vector<CloudPoint> RecentClouds::at(const ros::Time& time, double max_age, const GroundParams* ground) {
   const auto mount = [this](const RecentScans::Sensor& sensor) {
     std::string missing;
     std::optional<Eigen::Isometry3d> T_base_from_sensor = extrinsics_.lookup(sensor.first, missing);
@@ -82,12 +82,13 @@ std::vector<CloudPoint> RecentClouds::at(const ros::Time& time, double max_age) 
   const auto motion = [this](double begin, double end) {
     return motion_.between(ros::Time(begin), ros::Time(end), kScanTwistHold, false).T_begin_from_end;
   };
-  return scans_.at(time.toSec(), max_age, mount, motion);
+  return scans_.at(time.toSec(), max_age, mount, motion, ground);
 }
 
-std::vector<Eigen::Vector3f> RecentClouds::positionsAt(const ros::Time& time, double max_age) {
+std::vector<Eigen::Vector3f> RecentClouds::positionsAt(const ros::Time& time, double max_age,
+                                                       const GroundParams* ground) {
   std::vector<Eigen::Vector3f> positions;
-  for (const CloudPoint& point : at(time, max_age)) positions.push_back(point.position);
+  for (const CloudPoint& point : at(time, max_age, ground)) positions.push_back(point.position);
   return positions;
 }
 

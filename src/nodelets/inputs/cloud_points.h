@@ -36,9 +36,10 @@ class RecentClouds {
   void clear() { scans_.clear(); }
 
   /// RecentScans::at, with the mounts of TF and the motion of ego/twist.
-  std::vector<CloudPoint> at(const ros::Time& time, double max_age);
+  std::vector<CloudPoint> at(const ros::Time& time, double max_age, const GroundParams* ground = nullptr);
   /// The same without residuals, m.
-  std::vector<Eigen::Vector3f> positionsAt(const ros::Time& time, double max_age);
+  std::vector<Eigen::Vector3f> positionsAt(const ros::Time& time, double max_age,
+                                           const GroundParams* ground = nullptr);
 
  private:
   Extrinsics& extrinsics_;

@@ -1,0 +1,75 @@
+// Copyright (c) 2026, the Radar-Dot developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "radar_dot/vision/recent_scans.h"
+#include "radar_dot/vision/return_reach.h"
+
+namespace radar_dot {
+namespace {
+
+/// A sensor 0.7 m above the ground that looks ahead, unturned.
+std::vector<CloudPoint> seen(const std::vector<std::vector<CloudPoint>>& scans, const GroundParams* ground) {
+  RecentScans recent;
+  double time = 0.0;
+  for (const auto& scan : scans) recent.add({"radar", "points"}, time += 0.1, scan);
+  const auto mount = [](const RecentScans::Sensor&) {
+    return std::optional<Eigen::Isometry3d>(Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.7)));
+  };
+  const auto motion = [](double, double) {
+    return std::optional<Eigen::Isometry3d>(Eigen::Isometry3d::Identity());
+  };
+  return recent.at(time, 0.05, mount, motion, ground);
+}
+
+CloudPoint at(float x, float z) { return {{x, 0.0F, z}}; }
+
+TEST(UprightReturns, LeaveOutTheRoadAndWhatHangsOverItWhereHeightsAreTold) {
+  const GroundParams ground;
+  const std::vector<CloudPoint> scan = {at(5.0F, -0.5F), at(8.0F, 0.3F), at(10.0F, 5.0F)};
+  EXPECT_EQ(seen({scan}, nullptr).size(), 3U);
+  const auto upright = seen({scan}, &ground);
+  ASSERT_EQ(upright.size(), 1U);
+  EXPECT_FLOAT_EQ(upright[0].position.x(), 8.0F);
+}
+
+TEST(UprightReturns, FollowTheGroundPlane) {
+  GroundParams ground;
+  ground.height = -0.6;  // the base frame is above it: 0.2 m in the base frame are 0.8 m above ground
+  EXPECT_EQ(seen({{at(5.0F, -0.5F), at(8.0F, 0.3F)}}, &ground).size(), 2U);
+}
+
+TEST(UprightReturns, FarHeightsErr) {
+  const GroundParams ground;
+  EXPECT_EQ(seen({{at(8.0F, 0.3F), at(60.0F, -0.7F)}}, &ground).size(), 2U);
+}
+
+TEST(UprightReturns, PlanarRadarsTellNoHeights) {
+  const GroundParams ground;
+  EXPECT_EQ(seen({{at(5.0F, -0.5F), at(8.0F, -0.5F)}}, &ground).size(), 2U);
+}
+
+TEST(UprightReturns, ScanOfOneReturnIsOfTheSameSensor) {
+  const GroundParams ground;
+  EXPECT_EQ(seen({{at(5.0F, -0.5F)}}, &ground).size(), 1U);
+  EXPECT_TRUE(seen({{at(5.0F, -0.5F), at(8.0F, 0.3F)}, {at(5.0F, -0.5F)}}, &ground).empty());
+}
+
+TEST(ReturnReach, IsSharedWhereReturnsAreDense) {
+  std::vector<Eigen::Vector2f> places = {{50.0F, 0.0F}, {std::nanf(""), 0.0F}};
+  for (int i = 0; i < 12; ++i) places.emplace_back(10.0F, 0.01F * static_cast<float>(i));
+  const std::vector<float> reaches = reachesOf(places, 0.9F);
+  EXPECT_FLOAT_EQ(reaches[0], 0.9F);
+  EXPECT_FLOAT_EQ(reaches[1], 0.9F);
+  EXPECT_FLOAT_EQ(reaches[7], 0.9F / 4.0F);  // 12 returns, 3 of which have it whole
+}
+
+TEST(ReturnReach, FewReturnsOfACarHaveItWhole) {
+  const std::vector<float> reaches = reachesOf({{10.0F, -0.6F}, {10.1F, 0.0F}, {10.0F, 0.6F}}, 0.9F);
+  for (const float reach : reaches) EXPECT_FLOAT_EQ(reach, 0.9F);
+}
+
+}  // namespace
+}  // namespace radar_dot
