@@ -8,10 +8,8 @@
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
+#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/NavSatFix.h>
-#include <tf2/buffer_core.h>
-#include <tf2/exceptions.h>
-#include <tf2_msgs/TFMessage.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -23,26 +21,20 @@
 #include <stdexcept>
 #include <vector>
 
+#include "nodelets/inputs/extrinsics.h"
+
 namespace radar_dot::evaluation {
 namespace {
 
 constexpr char kTwist[] = "geometry_msgs/TwistStamped", kOdometry[] = "nav_msgs/Odometry",
                kTwistCovariance[] = "geometry_msgs/TwistWithCovarianceStamped",
                kFix[] = "sensor_msgs/NavSatFix", kImage[] = "sensor_msgs/Image",
-               kCompressed[] = "sensor_msgs/CompressedImage";
+               kCompressed[] = "sensor_msgs/CompressedImage", kImu[] = "sensor_msgs/Imu";
 constexpr char kTfPrefix[] = "tf:";
 
 Eigen::Vector3d vectorOf(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
 Eigen::Quaterniond rotationOf(const geometry_msgs::Quaternion& q) {
   return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();
-}
-
-Eigen::Isometry3d isometryOf(const geometry_msgs::Transform& transform) {
-  return Eigen::Translation3d(vectorOf(transform.translation)) * rotationOf(transform.rotation);
-}
-
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
 }
 
 /// What arrived on one topic, in the frame of the source.
@@ -97,9 +89,25 @@ struct Stream {
       const auto twist = message.instantiate<geometry_msgs::TwistStamped>();
       frames.insert(withoutSlash(twist->header.frame_id));
       addTwist(timeOf(twist->header, message), twist->twist, nullptr);
+    } else if (type == kImu) {
+      addImu(*message.instantiate<sensor_msgs::Imu>(), message);
     } else {
       addFix(*message.instantiate<sensor_msgs::NavSatFix>(), message);
     }
+  }
+
+  void addImu(const sensor_msgs::Imu& imu, const rosbag::MessageInstance& message) {
+    const double time = timeOf(imu.header, message);
+    frames.insert(withoutSlash(imu.header.frame_id));
+    geometry_msgs::Twist twist;
+    twist.angular = imu.angular_velocity;
+    boost::array<double, 36> covariance{};
+    for (std::size_t axis = 0; axis < 3; ++axis) covariance[7 * axis] = 10.0 * kUnobservedVariance;
+    // -1 is how it says "not measured".
+    if (imu.angular_velocity_covariance[0] == -1.0)
+      ++motion.counts.not_finite;
+    else
+      addTwist(time, twist, &covariance);
   }
 
   void addFix(const sensor_msgs::NavSatFix& fix, const rosbag::MessageInstance& message) {
@@ -204,66 +212,11 @@ void moveToBase(RecordedMotion& motion, const Eigen::Isometry3d& T_base_from_fra
     pose = StampedPose(pose.time, pose.isometry() * T_base_from_frame.inverse());
 }
 
-/// The transforms of a recording.
-class Transforms {
- public:
-  void add(const rosbag::MessageInstance& message) {
-    const bool is_static = message.getTopic() == "/tf_static";
-    const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
-    if (!transforms) return;
-    for (geometry_msgs::TransformStamped transform : transforms->transforms) {
-      transform.header.frame_id = withoutSlash(transform.header.frame_id);
-      transform.child_frame_id = withoutSlash(transform.child_frame_id);
-      if (transform.child_frame_id.empty() || transform.header.frame_id.empty()) continue;
-      buffer_.setTransform(transform, "bag", is_static);
-      parents_[transform.child_frame_id] = transform.header.frame_id;
-      if (!is_static) stamps_[transform.child_frame_id].push_back(transform.header.stamp);
-    }
-  }
+}  // namespace
 
-  /// None where the tree does not join them.
-  std::optional<Eigen::Isometry3d> between(const std::string& to, const std::string& from,
-                                           const ros::Time& time = ros::Time(0)) const {
-    try {
-      return isometryOf(buffer_.lookupTransform(to, from, time).transform);
-    } catch (const tf2::TransformException&) {
-      return std::nullopt;
-    }
-  }
-
-  /// Poses of a frame at the stamps of the transform that moves it.
-  void addPoses(const std::string& fixed, const std::string& frame, RecordedMotion& motion) const {
-    std::string moving = frame;
-    for (std::size_t i = 0; i < parents_.size() && stamps_.count(moving) == 0; ++i) {
-      const auto parent = parents_.find(moving);
-      if (parent == parents_.end()) break;
-      moving = parent->second;
-    }
-    const auto stamps = stamps_.find(moving);
-    if (stamps == stamps_.end()) return;
-    for (const ros::Time& stamp : stamps->second) {
-      ++motion.counts.messages;
-      if (const auto T = between(fixed, frame, stamp)) motion.poses.emplace_back(stamp.toSec(), *T);
-    }
-  }
-
-  std::string text() const {
-    std::string text;
-    for (const auto& [child, parent] : parents_)
-      text += fmt::format("{}{} -> {}", text.empty() ? "" : ", ", parent, child);
-    return text.empty() ? "none" : text;
-  }
-
- private:
-  tf2::BufferCore buffer_{ros::Duration(1e8)};
-  std::map<std::string, std::string> parents_;
-  std::map<std::string, std::vector<ros::Time>> stamps_;  // by child
-};
-
-/// The topic of an option. @throws InvalidParameter where it is not there or of no such type
-std::string checkedTopic(const bag::BagInput& input, const RecordingOptions& options,
-                         const std::string& topic, const std::vector<std::string>& types) {
-  const std::string name = topic.front() == '/' ? topic : "/" + topic;
+std::string checkedTopic(const bag::BagInput& input, const std::string& option, const std::string& topic,
+                         const std::vector<std::string>& types) {
+  const std::string name = "/" + withoutSlash(topic);
   const auto found = input.topics().find(name);
   const auto fits = [&](const std::string& type) {
     return std::find(types.begin(), types.end(), type) != types.end();
@@ -273,17 +226,18 @@ std::string checkedTopic(const bag::BagInput& input, const RecordingOptions& opt
   for (const auto& [other, type] : input.topics())
     if (fits(type)) known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", other, type);
   for (const std::string& type : types) text += (text.empty() ? "" : ", ") + type;
-  const std::string option = fieldsOf(options).of(&topic).name;
   throw InvalidParameter({option},
                          fmt::format("{}: {} {}; of the types that serve ({}) there are: {}", option, name,
-                                     found == input.topics().end() ? "is not in the recording"
-                                                                   : "is of the type " + found->second,
+                                     topic.empty()                   ? "is no topic"
+                                     : found == input.topics().end() ? "is not in the recording"
+                                                                     : "is of the type " + found->second,
                                      text, known.empty() ? "none" : known));
 }
 
+namespace {
+
 /// Frames of tf:FIXED:FRAME; none for a topic.
-std::optional<std::pair<std::string, std::string>> framesOf(const RecordingOptions& options) {
-  const std::string& text = options.reference;
+std::optional<std::pair<std::string, std::string>> framesOf(const std::string& text) {
   if (text.rfind(kTfPrefix, 0) != 0) return std::nullopt;
   const std::size_t begin = std::string(kTfPrefix).size(), colon = text.find(':', begin);
   const std::string fixed = withoutSlash(text.substr(begin, colon - begin));
@@ -354,7 +308,7 @@ void setFrame(Stream& stream, const std::string& wanted,
 }
 
 /// Brings a stream to the base frame.
-void bringToBase(Stream& stream, const std::string& base, const Transforms& transforms,
+void bringToBase(Stream& stream, const std::string& base, const RecordedTransforms& transforms,
                  const std::function<void(const std::string&)>& warn) {
   if (stream.frame == base && !base.empty()) return;
   std::optional<Eigen::Isometry3d> T_base_from_frame;
@@ -367,6 +321,34 @@ void bringToBase(Stream& stream, const std::string& base, const Transforms& tran
   }
   if (!stream.fixes.empty()) T_base_from_frame->linear().setIdentity();  // an antenna has no axes
   moveToBase(stream.motion, *T_base_from_frame);
+}
+
+/// Poses of transforms, or of fixes; `interval` as of ComparisonOptions.
+void completeReference(Stream& reference, const std::optional<std::pair<std::string, std::string>>& tf_frames,
+                       const RecordedTransforms& transforms, double interval) {
+  if (tf_frames) {
+    transforms.addPoses(tf_frames->first, tf_frames->second, reference.motion);
+    reference.frames = {tf_frames->second};
+    if (reference.motion.poses.size() < 2)
+      throw InvalidParameter(
+          {"reference"},
+          fmt::format("reference: the transforms of the recording do not tell {}; they are: {}",
+                      reference.topic, transforms.text()));
+  }
+  if (!reference.fixes.empty()) {
+    reference.motion.poses = localPoses(reference.fixes);
+    reference.motion.putInOrder();
+    addCourse(reference.motion, interval);
+  }
+}
+
+void putInOrder(Stream& stream) {
+  const StreamCounts before = stream.motion.counts;
+  stream.motion.putInOrder();
+  if (!stream.fixes.empty()) {
+    stream.motion.counts.unordered = before.unordered;
+    stream.motion.counts.repeated = before.repeated;
+  }
 }
 
 }  // namespace
@@ -390,25 +372,25 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
   validateFields(options);
   const RecordingOptions defaults;
   Stream twist, odometry, reference;
-  twist.topic = checkedTopic(input, options, options.twist, {kTwistCovariance, kTwist, kOdometry});
+  const auto checked = [&](const std::string& topic, const std::vector<std::string>& types) {
+    return checkedTopic(input, fieldsOf(options).of(&topic).name, topic, types);
+  };
+  twist.topic = checked(options.twist, {kTwistCovariance, kTwist, kOdometry});
   const auto has = [&](const std::string& topic) { return input.topics().count(topic) > 0; };
   const auto isWanted = [&](const std::string& topic, const std::string& by_default) {
     return !topic.empty() && (topic != by_default || has(topic));
   };
-  if (isWanted(options.odometry, defaults.odometry))
-    odometry.topic = checkedTopic(input, options, options.odometry, {kOdometry});
-  const auto tf_frames = framesOf(options);
+  if (isWanted(options.odometry, defaults.odometry)) odometry.topic = checked(options.odometry, {kOdometry});
+  const auto tf_frames = framesOf(options.reference);
   reference.topic = options.reference;
-  if (!tf_frames)
-    reference.topic =
-        checkedTopic(input, options, options.reference, {kOdometry, kTwistCovariance, kTwist, kFix});
+  if (!tf_frames) reference.topic = checked(options.reference, {kOdometry, kTwistCovariance, kTwist, kFix});
   std::string masks, mask_truth;
   if (isWanted(options.masks, defaults.masks) && isWanted(options.mask_truth, defaults.mask_truth)) {
-    masks = checkedTopic(input, options, options.masks, {kImage});
-    mask_truth = checkedTopic(input, options, options.mask_truth, {kCompressed});
+    masks = checked(options.masks, {kImage});
+    mask_truth = checked(options.mask_truth, {kCompressed});
   }
 
-  Transforms transforms;
+  RecordedTransforms transforms;
   MaskComparison mask_comparison;
   std::vector<std::string> topics = {"/tf", "/tf_static", twist.topic};
   for (const std::string& topic : {odometry.topic, reference.topic, masks, mask_truth})
@@ -426,31 +408,13 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
       },
       progress);
 
-  if (tf_frames) {
-    transforms.addPoses(tf_frames->first, tf_frames->second, reference.motion);
-    reference.frames = {tf_frames->second};
-    if (reference.motion.poses.size() < 2)
-      throw InvalidParameter(
-          {"reference"},
-          fmt::format("reference: the transforms of the recording do not tell {}; they are: {}",
-                      options.reference, transforms.text()));
-  }
-  if (!reference.fixes.empty()) {
-    reference.motion.poses = localPoses(reference.fixes);
-    reference.motion.putInOrder();
-    addCourse(reference.motion, options.comparison.interval);
-  }
+  completeReference(reference, tf_frames, transforms, options.comparison.interval);
   setFrame(twist, options.estimate_frame, warn);
   setFrame(odometry, "", warn);
   setFrame(reference, options.reference_frame, warn);
   for (Stream* stream : {&twist, &odometry, &reference}) {
     if (stream->topic.empty()) continue;
-    const StreamCounts before = stream->motion.counts;
-    stream->motion.putInOrder();
-    if (!stream->fixes.empty()) {
-      stream->motion.counts.unordered = before.unordered;
-      stream->motion.counts.repeated = before.repeated;
-    }
+    putInOrder(*stream);
     if (stream != &twist) bringToBase(*stream, twist.frame, transforms, warn);
   }
   MotionReport report = compareMotion(twist.motion, odometry.motion, reference.motion, options.comparison);
@@ -459,6 +423,28 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
     report.masks_without_truth = mask_comparison.masks() - report.masks->frames;
   }
   return report;
+}
+
+RecordedMotion recordedReference(const bag::BagInput& input, const std::string& name, const std::string& base,
+                                 const RecordedTransforms& transforms,
+                                 const std::function<void(const std::string&)>& warn) {
+  Stream reference;
+  reference.topic = name;
+  const auto tf_frames = framesOf(name);
+  if (!tf_frames) {
+    reference.topic =
+        checkedTopic(input, "reference", name, {kOdometry, kTwistCovariance, kTwist, kImu, kFix});
+    input.read({reference.topic}, [&](const rosbag::MessageInstance& message) { reference.add(message); });
+  }
+  completeReference(reference, tf_frames, transforms, ComparisonOptions().interval);
+  setFrame(reference, "", warn);
+  putInOrder(reference);
+  // A gyroscope may be mounted upside down.
+  if (input.topics().count(reference.topic) > 0 && input.topics().at(reference.topic) == kImu &&
+      reference.frame != base && !transforms.between(base, reference.frame))
+    throw std::runtime_error(reference.topic + ": " + transforms.missing(base, reference.frame));
+  bringToBase(reference, base, transforms, warn);
+  return reference.motion;
 }
 
 }  // namespace radar_dot::evaluation
