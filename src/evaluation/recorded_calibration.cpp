@@ -22,7 +22,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMaxGap = 1.0;             // s between two scans of a drive
 constexpr double kReferenceInterval = 0.1;  // s, over which the reference is averaged
-constexpr int kSamples = 5;                 // in it
+constexpr int kSamples = 10;                // in it
 constexpr const char* kImu = "sensor_msgs/Imu";
 
 class RecordedRadar {
@@ -145,25 +145,50 @@ std::vector<ReferenceReading> readingsOf(const ReferenceMotion& reference, doubl
   return readings;
 }
 
-void addReference(const std::string& name, const ReferenceMotion& reference, bool tells_rate,
-                  std::vector<CalibrationDrive>& drives) {
+struct Reference {
+  std::string name;
+  ReferenceMotion motion;
+  bool tells_rate;
+};
+
+void addReference(const Reference& reference, std::vector<CalibrationDrive>& drives) {
   std::vector<std::vector<ReferenceReading>> readings;
   Eigen::Array3d largest = Eigen::Array3d::Zero();
   for (const CalibrationDrive& drive : drives) {
-    readings.push_back(readingsOf(reference, drive.scans.front().time, drive.scans.back().time));
+    readings.push_back(readingsOf(reference.motion, drive.scans.front().time, drive.scans.back().time));
     for (const ReferenceReading& reading : readings.back())
       largest = reading.velocity.isNaN().select(largest, largest.max(reading.velocity.abs()));
   }
-  if (!tells_rate) largest[2] = 0.0;
+  if (!reference.tells_rate) largest[2] = 0.0;
   if ((largest == 0.0).all())
-    throw InvalidParameter({"reference"},
-                           fmt::format("reference: {} tells no motion while the radars see any", name));
+    throw InvalidParameter(
+        {"reference"}, fmt::format("reference: {} tells no motion while the radars see any", reference.name));
   for (std::size_t i = 0; i < drives.size(); ++i) {
     for (ReferenceReading& reading : readings[i]) {
       reading.velocity = (largest == 0.0).select(kNaN, reading.velocity);
       drives[i].reference.push_back(reading);
     }
   }
+}
+
+/// @param data  gets rate_has_bias
+std::vector<Reference> referencesOf(const bag::BagInput& input, std::vector<std::string> names,
+                                    const std::string& base, const RecordedTransforms& transforms,
+                                    const std::function<void(const std::string&)>& warn,
+                                    CalibrationData& data) {
+  if (names == std::vector<std::string>{"none"}) return {};
+  if (names.empty()) names = {""};  // which tells what topics there are
+  const auto isImu = [&](const std::string& topic) {
+    const auto found = input.topics().find("/" + withoutSlash(topic));
+    return found != input.topics().end() && found->second == kImu;
+  };
+  data.rate_has_bias = std::any_of(names.begin(), names.end(), isImu);
+  std::vector<Reference> references;
+  for (const std::string& name : names) {
+    const RecordedMotion motion = recordedReference(input, name, base, transforms, warn);
+    references.push_back({name, ReferenceMotion(motion, {}), !data.rate_has_bias || isImu(name)});
+  }
+  return references;
 }
 
 std::vector<CalibrationDrive> drivesOf(std::vector<CalibrationScan> scans) {
@@ -196,6 +221,9 @@ CalibrationData recordedCalibrationData(const bag::BagInput& input, const EgoVel
   if (!tf.empty()) transforms.addFile(tf);
   // Mounts hold for all of the recording, whenever they were sent.
   input.read({"/tf", "/tf_static"}, [&](const rosbag::MessageInstance& message) { transforms.add(message); });
+  CalibrationData data;
+  const std::vector<Reference> known =
+      referencesOf(input, references, withoutSlash(config.base_frame), transforms, warn, data);
   input.read(
       topics,
       [&](const rosbag::MessageInstance& message) {
@@ -203,24 +231,11 @@ CalibrationData recordedCalibrationData(const bag::BagInput& input, const EgoVel
           if (radar.topic() == message.getTopic()) radar.add(message);
       },
       progress);
-  CalibrationData data;
   std::vector<CalibrationScan> scans;
   for (RecordedRadar& radar : radars) radar.moveTo(data, scans, warn);
   data.drives = drivesOf(std::move(scans));
+  for (const Reference& reference : known) addReference(reference, data.drives);
 
-  const auto isImu = [&](const std::string& topic) {
-    const auto found = input.topics().find("/" + withoutSlash(topic));
-    return found != input.topics().end() && found->second == kImu;
-  };
-  if (references == std::vector<std::string>{"none"}) return data;
-  if (references.empty())
-    recordedReference(input, "", config.base_frame, transforms, warn);  // tells of topics
-  data.rate_has_bias = std::any_of(references.begin(), references.end(), isImu);
-  for (const std::string& name : references) {
-    const RecordedMotion motion =
-        recordedReference(input, name, withoutSlash(config.base_frame), transforms, warn);
-    addReference(name, ReferenceMotion(motion, {}), !data.rate_has_bias || isImu(name), data.drives);
-  }
   return data;
 }
 

@@ -216,7 +216,7 @@ void moveToBase(RecordedMotion& motion, const Eigen::Isometry3d& T_base_from_fra
 
 std::string checkedTopic(const bag::BagInput& input, const std::string& option, const std::string& topic,
                          const std::vector<std::string>& types) {
-  const std::string name = "/" + withoutSlash(topic);
+  const std::string name = topic.empty() ? "it" : "/" + withoutSlash(topic);
   const auto found = input.topics().find(name);
   const auto fits = [&](const std::string& type) {
     return std::find(types.begin(), types.end(), type) != types.end();
@@ -228,7 +228,7 @@ std::string checkedTopic(const bag::BagInput& input, const std::string& option, 
   for (const std::string& type : types) text += (text.empty() ? "" : ", ") + type;
   throw InvalidParameter({option},
                          fmt::format("{}: {} {}; of the types that serve ({}) there are: {}", option, name,
-                                     topic.empty()                   ? "is no topic"
+                                     topic.empty()                   ? "must be given"
                                      : found == input.topics().end() ? "is not in the recording"
                                                                      : "is of the type " + found->second,
                                      text, known.empty() ? "none" : known));
