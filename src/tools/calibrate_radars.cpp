@@ -21,6 +21,7 @@ struct Options : radar_dot::CalibrationParams {
   double block = 5.0;
 
   void describe(radar_dot::FieldList& fields) {
+    fields.group("Recording");
     fields.add("bags", bags, "Instead of a dataroot, bags, which are read as one; --bags may be left out");
     part.describe(fields);
     fields.add("tf", tf,
@@ -41,15 +42,17 @@ struct Outputs {
   std::string mount_yaws, mounts;
 
   void describe(radar_dot::FieldList& fields) {
+    fields.group("Output");
     fields.add("mount_yaws", mount_yaws, "Write the yaws as a mount_yaws_file of the nodelet");
     fields.add("mounts", mounts, "Write the mounts as a list for --tf, in place of mount_yaw_correction");
   }
   void write(const evaluation::CalibrationReport& report, const std::string& base_frame) const {
-    if (!report.isWorthIt()) {
-      for (const std::string& file : {mount_yaws, mounts})
-        if (!file.empty()) warn(file + " is not written: what was held out agrees less than before");
-      return;
-    }
+    const char* why = !report.isWorthIt()         ? "what was held out agrees less than before"
+                      : report.mount_yaws.empty() ? "the drive shows no yaw"
+                                                  : nullptr;
+    for (const std::string& file : {mount_yaws, mounts})
+      if (why != nullptr && !file.empty()) warn(file + " is not written: " + why);
+    if (why != nullptr) return;
     if (!mount_yaws.empty()) radar_dot::writeMountYaws(mount_yaws, report.mount_yaws);
     std::vector<radar_dot::Mount> list;
     for (const auto& [frame, mount] : report.mounts) list.emplace_back(base_frame, frame, mount);
@@ -93,7 +96,8 @@ int main(int argc, char** argv) {
   command_line.addOutputs("", fieldsOf(outputs));
   command_line.takeWords("bags");
   command_line.require("bags", evaluator.dataroot(), [&] { return evaluator.input.dataroot.empty(); });
-  command_line.exclude("bags", evaluator.dataroot());
+  for (const char* of_bags : {"bags", "start", "duration", "tf"})
+    command_line.exclude(evaluator.dataroot(), of_bags);
   return evaluator.run(argc, argv, [&] {
     const radar_dot::EgoVelocityConfig& config = evaluator.configuration.ego_velocity;
     validate(config);
@@ -105,9 +109,9 @@ int main(int argc, char** argv) {
             : recordedData(options, config);
     options.rate_has_bias = data.rate_has_bias;
     const evaluation::CalibrationReport report = evaluation::calibrate(data, config, options, options.block);
-    outputs.write(report, config.base_frame);
     evaluator.files.write(
         command_line.parametersJson(), evaluation::formatJson<evaluation::CalibrationReport>({}, report),
         evaluation::formatCsv<evaluation::CalibrationReport>({}, report), formatTable(report));
+    outputs.write(report, config.base_frame);
   });
 }

@@ -223,7 +223,7 @@ TEST_F(CalibrateRecording, SaysWhatIsMissing) {
   refuse("--reference /odom",
          "radars/left: no transform from 'left' to 'base_link' in the recording: give it by --tf");
   refuse("--reference /imu", "/imu: no transform from 'imu' to 'base_link'");
-  refuse("--reference /odom --dataroot .", "--bags excludes --dataroot");
+  refuse("--reference /odom --dataroot .", "--dataroot excludes --bags");
   test::writeFile(path("tf.yaml"), "- {parent: base_link, child: left, heading: 1.57}\n");
   refuse("--reference /odom --tf " + path("tf.yaml"), "tf.yaml:1: unknown parameter heading");
   test::writeFile(config(), "ego_velocity: {radars: {front: {topic: radars/frnt}}}\n");
