@@ -55,11 +55,15 @@ std::vector<Mount> readMounts(const std::string& path) {
 
 void writeMounts(const std::string& path, const std::vector<Mount>& mounts) {
   std::string text = "# m, rad about fixed axes\n";
-  for (const Mount& m : mounts)
-    text += fmt::format(
-        "- {{parent: {}, child: {}, x: {:.4f}, y: {:.4f}, z: {:.4f}, roll: {:.5f}, pitch: {:.5f}, yaw: "
-        "{:.5f}}}\n",
-        m.parent, m.child, m.x, m.y, m.z, m.roll, m.pitch, m.yaw);
+  for (Mount mount : mounts) {
+    std::string line;
+    for (const Field& field : fieldsOf(mount)) {
+      if (field.type == FieldType::kDouble)  // to 10 um and 10 urad, without a sign of zero
+        field.put(std::round(1e5 * std::get<double>(field.get())) / 1e5 + 0.0);
+      line += fmt::format("{}{}: {}", line.empty() ? "" : ", ", field.name, toText(field.get()));
+    }
+    text += fmt::format("- {{{}}}\n", line);
+  }
   replaceFile(path, text);
 }
 

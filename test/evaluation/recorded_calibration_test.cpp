@@ -27,8 +27,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr double kStart = 1000.0;  // s
-
 struct Radar {
   std::string name;
   double x, y, yaw;  // m, rad, as TF says
@@ -59,7 +57,7 @@ class CalibrateRecording : public testing::Test {
 
   template <typename Message>
   void write(const std::string& topic, double time, Message message, const std::string& frame) {
-    message.header.stamp = ros::Time(kStart + time);
+    message.header.stamp = ros::Time(start_ + time);
     message.header.frame_id = frame;
     bag_.write(topic, message.header.stamp, message);
   }
@@ -67,7 +65,7 @@ class CalibrateRecording : public testing::Test {
   void mount(const std::string& topic, double time, const std::string& parent, const std::string& child,
              const Eigen::Vector3d& position, double yaw, bool is_flipped = false) {
     geometry_msgs::TransformStamped one;
-    one.header.stamp = ros::Time(kStart + time);
+    one.header.stamp = ros::Time(start_ + time);
     one.header.frame_id = parent;
     one.child_frame_id = child;
     one.transform.translation.x = position.x();
@@ -157,7 +155,7 @@ class CalibrateRecording : public testing::Test {
 
   test::TemporaryFolder folder_;
   rosbag::Bag bag_;
-  double duration_ = 20.0;  // s
+  double start_ = 1000.0, duration_ = 20.0;  // s
 };
 
 double constantly(double) { return 1.0; }
@@ -183,6 +181,16 @@ TEST_F(CalibrateRecording, FindsTurnedMountsAndWhatItWritesCuresThem) {
   EXPECT_THAT(text, HasSubstr("mount_xyz: [-0.6, 0, 0]"));
   textOf("--reference odom --config " + path("pasted.yaml"));
   expectYaws(0.0);
+}
+
+TEST_F(CalibrateRecording, DrivesOnSeveralDaysAreOneVehicle) {
+  mounts();
+  duration_ = 10.0;
+  drive(winding, constantly);
+  start_ += 1e6;
+  drive(winding, constantly);
+  textOf("--reference /odom");
+  expectYaws(1.0);
 }
 
 TEST_F(CalibrateRecording, AGyroscopeMayBeUpsideDownAndBiased) {
