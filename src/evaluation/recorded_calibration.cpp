@@ -186,6 +186,8 @@ std::vector<Reference> referencesOf(const bag::BagInput& input, std::vector<std:
   std::vector<Reference> references;
   for (const std::string& name : names) {
     const RecordedMotion motion = recordedReference(input, name, base, transforms, warn);
+    if (motion.twists.empty() && motion.poses.size() < 2)
+      throw InvalidParameter({"reference"}, fmt::format("reference: no message of {} can be used", name));
     references.push_back({name, ReferenceMotion(motion, {}), !data.rate_has_bias || isImu(name)});
   }
   return references;
