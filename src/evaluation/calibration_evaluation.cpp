@@ -217,12 +217,8 @@ std::string formatTable(const CalibrationReport& report) {
   if (!delay.observable()) reasons += "  bearing_delay: " + delay.reason + "\n";
   if (!reasons.empty()) text += "Not observable in this drive:\n" + reasons;
   const auto row = [](const char* name, const CalibrationResiduals& residuals) {
-    const auto known = [](double value, int digits) {
-      return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "-";
-    };
-    const Eigen::Array3d& motion = residuals.motion;
-    return fmt::format("{:<10} {:>14} {:>9} {:>9} {:>15}\n", name, known(residuals.all, 4),
-                       known(motion[0], 4), known(motion[1], 4), known(motion[2], 5));
+    return fmt::format("{:<10} {:>14.4f} {:>9.4f} {:>9.4f} {:>15.5f}\n", name, residuals.all,
+                       residuals.motion[0], residuals.motion[1], residuals.motion[2]);
   };
   if (!report.before.by_radar.empty()) {
     text += fmt::format(

@@ -23,12 +23,11 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMaxGap = 1.0;             // s between two scans of a drive
 constexpr double kReferenceInterval = 0.1;  // s, over which the reference is averaged
 constexpr int kSamples = 10;                // in it
-constexpr const char* kImu = "sensor_msgs/Imu";
 
 class RecordedRadar {
  public:
   RecordedRadar(const std::string& name, const EgoVelocityConfig& config, const bag::BagInput& input,
-                const RecordedTransforms& transforms)
+                const Transforms& transforms)
       : name_(name),
         place_("radars/" + name),
         base_(withoutSlash(config.base_frame)),
@@ -114,7 +113,7 @@ class RecordedRadar {
   }
 
   std::string name_, place_, base_, topic_, frame_, defect_;
-  const RecordedTransforms& transforms_;
+  const Transforms& transforms_;
   RadarEntry entry_;
   RadarInput input_;
   double ambiguity_ = 0.0;
@@ -173,21 +172,19 @@ void addReference(const Reference& reference, std::vector<CalibrationDrive>& dri
 
 /// @param data  gets rate_has_bias
 std::vector<Reference> referencesOf(const bag::BagInput& input, std::vector<std::string> names,
-                                    const std::string& base, const RecordedTransforms& transforms,
+                                    const std::string& base, const Transforms& transforms,
                                     const std::function<void(const std::string&)>& warn,
                                     CalibrationData& data) {
   if (names == std::vector<std::string>{"none"}) return {};
   if (names.empty()) names = {""};  // which tells what topics there are
   const auto isImu = [&](const std::string& topic) {
     const auto found = input.topics().find("/" + withoutSlash(topic));
-    return found != input.topics().end() && found->second == kImu;
+    return found != input.topics().end() && found->second == kImuType;
   };
   data.rate_has_bias = std::any_of(names.begin(), names.end(), isImu);
   std::vector<Reference> references;
   for (const std::string& name : names) {
     const RecordedMotion motion = recordedReference(input, name, base, transforms, warn);
-    if (motion.twists.empty() && motion.poses.size() < 2)
-      throw InvalidParameter({"reference"}, fmt::format("reference: no message of {} can be used", name));
     references.push_back({name, ReferenceMotion(motion, {}), !data.rate_has_bias || isImu(name)});
   }
   return references;
@@ -213,7 +210,7 @@ CalibrationData recordedCalibrationData(const bag::BagInput& input, const EgoVel
   if (config.radars.empty())
     throw std::runtime_error(
         "no radars: --config FILE tells them, ego_velocity: {radars: {front: {topic: ...}}}");
-  RecordedTransforms transforms;
+  Transforms transforms;
   std::vector<RecordedRadar> radars;
   std::vector<std::string> topics;
   for (const auto& [name, entry] : config.radars) {

@@ -15,7 +15,7 @@ namespace radar_dot::evaluation {
 /// is doubtful is told to `warn`.
 /// @param references  topics of motion, or tf:FIXED_FRAME:FRAME (see recordedReference). The yaw rate is that
 ///                    of an IMU where one is among them. What stays zero is not measured.
-/// @param tf          file of mounts that the recording lacks (see RecordedTransforms); empty: none
+/// @param tf          file of mounts that the recording lacks (see Transforms); empty: none
 /// @throws InvalidParameter, std::runtime_error for topics, messages, transforms that are missing or of no
 /// use
 CalibrationData recordedCalibrationData(const bag::BagInput& input, const EgoVelocityConfig& config,

@@ -21,20 +21,22 @@
 #include <stdexcept>
 #include <vector>
 
-#include "nodelets/inputs/extrinsics.h"
-
 namespace radar_dot::evaluation {
 namespace {
 
 constexpr char kTwist[] = "geometry_msgs/TwistStamped", kOdometry[] = "nav_msgs/Odometry",
                kTwistCovariance[] = "geometry_msgs/TwistWithCovarianceStamped",
                kFix[] = "sensor_msgs/NavSatFix", kImage[] = "sensor_msgs/Image",
-               kCompressed[] = "sensor_msgs/CompressedImage", kImu[] = "sensor_msgs/Imu";
+               kCompressed[] = "sensor_msgs/CompressedImage";
 constexpr char kTfPrefix[] = "tf:";
 
 Eigen::Vector3d vectorOf(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
 Eigen::Quaterniond rotationOf(const geometry_msgs::Quaternion& q) {
   return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized();
+}
+
+std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
 }
 
 /// What arrived on one topic, in the frame of the source.
@@ -89,7 +91,7 @@ struct Stream {
       const auto twist = message.instantiate<geometry_msgs::TwistStamped>();
       frames.insert(withoutSlash(twist->header.frame_id));
       addTwist(timeOf(twist->header, message), twist->twist, nullptr);
-    } else if (type == kImu) {
+    } else if (type == kImuType) {
       addImu(*message.instantiate<sensor_msgs::Imu>(), message);
     } else {
       addFix(*message.instantiate<sensor_msgs::NavSatFix>(), message);
@@ -212,32 +214,15 @@ void moveToBase(RecordedMotion& motion, const Eigen::Isometry3d& T_base_from_fra
     pose = StampedPose(pose.time, pose.isometry() * T_base_from_frame.inverse());
 }
 
-}  // namespace
-
-std::string checkedTopic(const bag::BagInput& input, const std::string& option, const std::string& topic,
-                         const std::vector<std::string>& types) {
-  const std::string name = topic.empty() ? "it" : "/" + withoutSlash(topic);
-  const auto found = input.topics().find(name);
-  const auto fits = [&](const std::string& type) {
-    return std::find(types.begin(), types.end(), type) != types.end();
-  };
-  if (found != input.topics().end() && fits(found->second)) return name;
-  std::string text, known;
-  for (const auto& [other, type] : input.topics())
-    if (fits(type)) known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", other, type);
-  for (const std::string& type : types) text += (text.empty() ? "" : ", ") + type;
-  throw InvalidParameter({option},
-                         fmt::format("{}: {} {}; of the types that serve ({}) there are: {}", option, name,
-                                     topic.empty()                   ? "must be given"
-                                     : found == input.topics().end() ? "is not in the recording"
-                                                                     : "is of the type " + found->second,
-                                     text, known.empty() ? "none" : known));
+/// The topic of an option. @throws InvalidParameter where it is not there or of no such type
+std::string checkedTopic(const bag::BagInput& input, const RecordingOptions& options,
+                         const std::string& topic, const std::vector<std::string>& types) {
+  return evaluation::checkedTopic(input, fieldsOf(options).of(&topic).name, topic, types);
 }
 
-namespace {
-
 /// Frames of tf:FIXED:FRAME; none for a topic.
-std::optional<std::pair<std::string, std::string>> framesOf(const std::string& text) {
+std::optional<std::pair<std::string, std::string>> framesOf(const RecordingOptions& options) {
+  const std::string& text = options.reference;
   if (text.rfind(kTfPrefix, 0) != 0) return std::nullopt;
   const std::size_t begin = std::string(kTfPrefix).size(), colon = text.find(':', begin);
   const std::string fixed = withoutSlash(text.substr(begin, colon - begin));
@@ -308,7 +293,7 @@ void setFrame(Stream& stream, const std::string& wanted,
 }
 
 /// Brings a stream to the base frame.
-void bringToBase(Stream& stream, const std::string& base, const RecordedTransforms& transforms,
+void bringToBase(Stream& stream, const std::string& base, const Transforms& transforms,
                  const std::function<void(const std::string&)>& warn) {
   if (stream.frame == base && !base.empty()) return;
   std::optional<Eigen::Isometry3d> T_base_from_frame;
@@ -321,34 +306,6 @@ void bringToBase(Stream& stream, const std::string& base, const RecordedTransfor
   }
   if (!stream.fixes.empty()) T_base_from_frame->linear().setIdentity();  // an antenna has no axes
   moveToBase(stream.motion, *T_base_from_frame);
-}
-
-/// Poses of transforms, or of fixes; `interval` as of ComparisonOptions.
-void completeReference(Stream& reference, const std::optional<std::pair<std::string, std::string>>& tf_frames,
-                       const RecordedTransforms& transforms, double interval) {
-  if (tf_frames) {
-    transforms.addPoses(tf_frames->first, tf_frames->second, reference.motion);
-    reference.frames = {tf_frames->second};
-    if (reference.motion.poses.size() < 2)
-      throw InvalidParameter(
-          {"reference"},
-          fmt::format("reference: the transforms of the recording do not tell {}; they are: {}",
-                      reference.topic, transforms.text()));
-  }
-  if (!reference.fixes.empty()) {
-    reference.motion.poses = localPoses(reference.fixes);
-    reference.motion.putInOrder();
-    addCourse(reference.motion, interval);
-  }
-}
-
-void putInOrder(Stream& stream) {
-  const StreamCounts before = stream.motion.counts;
-  stream.motion.putInOrder();
-  if (!stream.fixes.empty()) {
-    stream.motion.counts.unordered = before.unordered;
-    stream.motion.counts.repeated = before.repeated;
-  }
 }
 
 }  // namespace
@@ -372,25 +329,25 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
   validateFields(options);
   const RecordingOptions defaults;
   Stream twist, odometry, reference;
-  const auto checked = [&](const std::string& topic, const std::vector<std::string>& types) {
-    return checkedTopic(input, fieldsOf(options).of(&topic).name, topic, types);
-  };
-  twist.topic = checked(options.twist, {kTwistCovariance, kTwist, kOdometry});
+  twist.topic = checkedTopic(input, options, options.twist, {kTwistCovariance, kTwist, kOdometry});
   const auto has = [&](const std::string& topic) { return input.topics().count(topic) > 0; };
   const auto isWanted = [&](const std::string& topic, const std::string& by_default) {
     return !topic.empty() && (topic != by_default || has(topic));
   };
-  if (isWanted(options.odometry, defaults.odometry)) odometry.topic = checked(options.odometry, {kOdometry});
-  const auto tf_frames = framesOf(options.reference);
+  if (isWanted(options.odometry, defaults.odometry))
+    odometry.topic = checkedTopic(input, options, options.odometry, {kOdometry});
+  const auto tf_frames = framesOf(options);
   reference.topic = options.reference;
-  if (!tf_frames) reference.topic = checked(options.reference, {kOdometry, kTwistCovariance, kTwist, kFix});
+  if (!tf_frames)
+    reference.topic =
+        checkedTopic(input, options, options.reference, {kOdometry, kTwistCovariance, kTwist, kFix});
   std::string masks, mask_truth;
   if (isWanted(options.masks, defaults.masks) && isWanted(options.mask_truth, defaults.mask_truth)) {
-    masks = checked(options.masks, {kImage});
-    mask_truth = checked(options.mask_truth, {kCompressed});
+    masks = checkedTopic(input, options, options.masks, {kImage});
+    mask_truth = checkedTopic(input, options, options.mask_truth, {kCompressed});
   }
 
-  RecordedTransforms transforms;
+  Transforms transforms;
   MaskComparison mask_comparison;
   std::vector<std::string> topics = {"/tf", "/tf_static", twist.topic};
   for (const std::string& topic : {odometry.topic, reference.topic, masks, mask_truth})
@@ -408,13 +365,31 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
       },
       progress);
 
-  completeReference(reference, tf_frames, transforms, options.comparison.interval);
+  if (tf_frames) {
+    transforms.addPoses(tf_frames->first, tf_frames->second, reference.motion);
+    reference.frames = {tf_frames->second};
+    if (reference.motion.poses.size() < 2)
+      throw InvalidParameter(
+          {"reference"},
+          fmt::format("reference: the transforms of the recording do not tell {}; they are: {}",
+                      options.reference, transforms.text()));
+  }
+  if (!reference.fixes.empty()) {
+    reference.motion.poses = localPoses(reference.fixes);
+    reference.motion.putInOrder();
+    addCourse(reference.motion, options.comparison.interval);
+  }
   setFrame(twist, options.estimate_frame, warn);
   setFrame(odometry, "", warn);
   setFrame(reference, options.reference_frame, warn);
   for (Stream* stream : {&twist, &odometry, &reference}) {
     if (stream->topic.empty()) continue;
-    putInOrder(*stream);
+    const StreamCounts before = stream->motion.counts;
+    stream->motion.putInOrder();
+    if (!stream->fixes.empty()) {
+      stream->motion.counts.unordered = before.unordered;
+      stream->motion.counts.repeated = before.repeated;
+    }
     if (stream != &twist) bringToBase(*stream, twist.frame, transforms, warn);
   }
   MotionReport report = compareMotion(twist.motion, odometry.motion, reference.motion, options.comparison);
@@ -425,25 +400,55 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
   return report;
 }
 
+std::string checkedTopic(const bag::BagInput& input, const std::string& option, const std::string& topic,
+                         const std::vector<std::string>& types) {
+  const std::string name = topic.empty() ? "it" : "/" + withoutSlash(topic);
+  const auto found = input.topics().find(name);
+  const auto fits = [&](const std::string& type) {
+    return std::find(types.begin(), types.end(), type) != types.end();
+  };
+  if (found != input.topics().end() && fits(found->second)) return name;
+  std::string text, known;
+  for (const auto& [other, type] : input.topics())
+    if (fits(type)) known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", other, type);
+  for (const std::string& type : types) text += (text.empty() ? "" : ", ") + type;
+  throw InvalidParameter({option},
+                         fmt::format("{}: {} {}; of the types that serve ({}) there are: {}", option, name,
+                                     topic.empty()                   ? "must be given"
+                                     : found == input.topics().end() ? "is not in the recording"
+                                                                     : "is of the type " + found->second,
+                                     text, known.empty() ? "none" : known));
+}
+
 RecordedMotion recordedReference(const bag::BagInput& input, const std::string& name, const std::string& base,
-                                 const RecordedTransforms& transforms,
+                                 const Transforms& transforms,
                                  const std::function<void(const std::string&)>& warn) {
+  RecordingOptions options;
+  options.reference = name;
   Stream reference;
   reference.topic = name;
-  const auto tf_frames = framesOf(name);
-  if (!tf_frames) {
-    reference.topic =
-        checkedTopic(input, "reference", name, {kOdometry, kTwistCovariance, kTwist, kImu, kFix});
+  std::string type;
+  if (const auto tf_frames = framesOf(options)) {
+    transforms.addPoses(tf_frames->first, tf_frames->second, reference.motion);
+    reference.frames = {tf_frames->second};
+  } else {
+    reference.topic = checkedTopic(input, options, options.reference,
+                                   {kOdometry, kTwistCovariance, kTwist, kImuType, kFix});
+    type = input.topics().at(reference.topic);
     input.read({reference.topic}, [&](const rosbag::MessageInstance& message) { reference.add(message); });
   }
-  completeReference(reference, tf_frames, transforms, ComparisonOptions().interval);
+  if (type == kFix) reference.motion.poses = localPoses(reference.fixes);
+  reference.motion.putInOrder();
+  if (type == kFix) addCourse(reference.motion, options.comparison.interval);
   setFrame(reference, "", warn);
-  putInOrder(reference);
   // A gyroscope may be mounted upside down.
-  if (input.topics().count(reference.topic) > 0 && input.topics().at(reference.topic) == kImu &&
-      reference.frame != base && !transforms.between(base, reference.frame))
+  if (type == kImuType && reference.frame != base && !transforms.between(base, reference.frame))
     throw std::runtime_error(reference.topic + ": " + transforms.missing(base, reference.frame));
   bringToBase(reference, base, transforms, warn);
+  if (reference.motion.twists.empty() && reference.motion.poses.size() < 2)
+    throw InvalidParameter({"reference"},
+                           fmt::format("reference: {} tells nothing; the transforms of the recording are: {}",
+                                       name, transforms.text()));
   return reference.motion;
 }
 

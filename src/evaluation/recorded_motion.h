@@ -13,6 +13,9 @@
 
 namespace radar_dot::evaluation {
 
+/// The type of a reference of recordedReference that tells the yaw rate alone.
+inline constexpr char kImuType[] = "sensor_msgs/Imu";
+
 /// What of a recording is compared with what.
 struct RecordingOptions {
   std::string twist = "/ego/twist", odometry = "/odom", reference;
@@ -33,7 +36,7 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
 /// The motion of a frame as a topic, also of sensor_msgs/Imu, or tf:FIXED_FRAME:FRAME tells it.
 /// @throws InvalidParameter as evaluateRecording
 RecordedMotion recordedReference(const bag::BagInput& input, const std::string& name, const std::string& base,
-                                 const RecordedTransforms& transforms,
+                                 const Transforms& transforms,
                                  const std::function<void(const std::string&)>& warn);
 
 /// The topic that an option names, with its slash.

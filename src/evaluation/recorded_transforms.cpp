@@ -11,7 +11,7 @@
 
 namespace radar_dot::evaluation {
 
-void RecordedTransforms::add(const rosbag::MessageInstance& message) {
+void Transforms::add(const rosbag::MessageInstance& message) {
   const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
   if (!transforms) return;
   for (const geometry_msgs::TransformStamped& transform : transforms->transforms)
@@ -19,7 +19,7 @@ void RecordedTransforms::add(const rosbag::MessageInstance& message) {
       add(transform, message.getTopic() == "/tf_static");
 }
 
-void RecordedTransforms::addFile(const std::string& path) {
+void Transforms::addFile(const std::string& path) {
   for (const Mount& mount : readMounts(path)) {
     geometry_msgs::TransformStamped transform;
     transform.header.frame_id = mount.parent;
@@ -30,7 +30,7 @@ void RecordedTransforms::addFile(const std::string& path) {
   }
 }
 
-void RecordedTransforms::add(geometry_msgs::TransformStamped transform, bool is_static) {
+void Transforms::add(geometry_msgs::TransformStamped transform, bool is_static) {
   transform.header.frame_id = withoutSlash(transform.header.frame_id);
   transform.child_frame_id = withoutSlash(transform.child_frame_id);
   if (transform.child_frame_id.empty() || transform.header.frame_id.empty()) return;
@@ -39,8 +39,8 @@ void RecordedTransforms::add(geometry_msgs::TransformStamped transform, bool is_
   if (!is_static) stamps_[transform.child_frame_id].push_back(transform.header.stamp);
 }
 
-std::optional<Eigen::Isometry3d> RecordedTransforms::between(const std::string& to, const std::string& from,
-                                                             const ros::Time& time) const {
+std::optional<Eigen::Isometry3d> Transforms::between(const std::string& to, const std::string& from,
+                                                     const ros::Time& time) const {
   try {
     return isometryOf(buffer_.lookupTransform(to, from, time).transform);
   } catch (const tf2::TransformException&) {
@@ -48,8 +48,7 @@ std::optional<Eigen::Isometry3d> RecordedTransforms::between(const std::string& 
   }
 }
 
-void RecordedTransforms::addPoses(const std::string& fixed, const std::string& frame,
-                                  RecordedMotion& motion) const {
+void Transforms::addPoses(const std::string& fixed, const std::string& frame, RecordedMotion& motion) const {
   std::string moving = frame;
   for (std::size_t i = 0; i < parents_.size() && stamps_.count(moving) == 0; ++i) {
     const auto parent = parents_.find(moving);
@@ -64,13 +63,13 @@ void RecordedTransforms::addPoses(const std::string& fixed, const std::string& f
   }
 }
 
-std::string RecordedTransforms::missing(const std::string& to, const std::string& from) const {
+std::string Transforms::missing(const std::string& to, const std::string& from) const {
   return fmt::format(
       "no transform from '{}' to '{}' in the recording: give it by --tf FILE; the transforms are: {}", from,
       to, text());
 }
 
-std::string RecordedTransforms::text() const {
+std::string Transforms::text() const {
   std::string text;
   for (const auto& [child, parent] : parents_)
     text += fmt::format("{}{} -> {}", text.empty() ? "" : ", ", parent, child);

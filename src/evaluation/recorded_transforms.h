@@ -18,7 +18,7 @@
 namespace radar_dot::evaluation {
 
 /// The transforms of a recording.
-class RecordedTransforms {
+class Transforms {
  public:
   /// Of /tf or /tf_static.
   void add(const rosbag::MessageInstance& message);
