@@ -109,6 +109,16 @@ class Reader {
     forEachDocument([&](const YAML::Node& document) { readEntries("", dictionary, document); });
   }
 
+  void readList(const std::function<FieldList()>& next) {
+    forEachDocument([&](const YAML::Node& document) {
+      if (!document.IsSequence()) fail(document, "the file is no list");
+      for (const YAML::Node& entry : document) {
+        if (!entry.IsMap()) fail(entry, "an entry of the list is no dictionary of names and values");
+        readValues("", next(), entry);
+      }
+    });
+  }
+
  private:
   /// Several documents in one file are loaded one after the other, as by rosparam.
   void forEachDocument(const std::function<void(const YAML::Node&)>& read) const {
@@ -230,6 +240,10 @@ void readFieldsFile(const std::string& path, const FieldList& fields) {
 
 void readDictionaryFile(const std::string& path, const FieldDictionary& dictionary) {
   Reader(path, {}, "", {}).readEntries(dictionary);
+}
+
+void readListFile(const std::string& path, const std::function<FieldList()>& next) {
+  Reader(path, {}, "", {}).readList(next);
 }
 
 }  // namespace radar_dot

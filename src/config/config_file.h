@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -36,5 +37,8 @@ void readFieldsFile(const std::string& path, const FieldList& fields);
 
 /// Adds what a YAML file of entries by their names says to a dictionary. @throws ConfigFileError
 void readDictionaryFile(const std::string& path, const FieldDictionary& dictionary);
+
+/// Sets what each dictionary of a YAML list says. @param next  fields of a new entry @throws ConfigFileError
+void readListFile(const std::string& path, const std::function<FieldList()>& next);
 
 }  // namespace radar_dot

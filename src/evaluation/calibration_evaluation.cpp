@@ -70,6 +70,23 @@ bool isOff(const CalibratedValue& value, double nominal) {
   return value.observable() && std::abs(value.value - nominal) > 2.0 * value.std;
 }
 
+double rounded(double value) { return std::round(1e4 * value) / 1e4; }
+
+/// "topic: radar, time_offset: 0.04": what is not as by default.
+std::string setFields(const RadarEntry& entry) {
+  const RadarEntry untouched;
+  const FieldList defaults = fieldsOf(untouched);
+  std::string text;
+  for (const Field& field : fieldsOf(entry)) {
+    if (field.get() == defaults.find(field.name)->get()) continue;
+    const bool is_list = field.type == FieldType::kIntList || field.type == FieldType::kTextList ||
+                         field.type == FieldType::kDoubleList;
+    text += fmt::format(is_list ? "{}{}: [{}]" : "{}{}: {}", text.empty() ? "" : ", ", field.name,
+                        toText(field.get()));
+  }
+  return text;
+}
+
 std::string yamlOf(const CalibrationData& data, const Calibration& calibration,
                    const EgoVelocityConfig& config) {
   std::string text = "ego_velocity:\n";
@@ -79,21 +96,20 @@ std::string yamlOf(const CalibrationData& data, const Calibration& calibration,
   for (std::size_t i = 0; i < data.radars.size(); ++i) {
     const RadarCalibration& found = calibration.radars[i];
     const RadarEntry& entry = data.entries[i];
-    std::string line;
-    const auto add = [&line](const std::string& item) { line += (line.empty() ? "" : ", ") + item; };
-    add("topic: " + entry.topic);
-    if (!entry.preset.empty()) add("preset: " + entry.preset);
+    // What is configured beside stays, but for the values of the preset.
+    const auto given = config.radars.find(data.entry_names[i]);
+    RadarEntry changed;
+    changed.topic = entry.topic;
+    if (given != config.radars.end()) changed = given->second;
     const CalibratedValue& yaw = found[Quantity::kYaw];
-    if (yaw.observable())
-      add(fmt::format("mount_yaw_correction: {:.4f}", entry.mount_yaw_correction + yaw.value));
+    if (yaw.observable()) changed.mount_yaw_correction = rounded(entry.mount_yaw_correction + yaw.value);
     const CalibratedValue& scale = found[Quantity::kDopplerScale];
     if (isOff(scale, 1.0) || found.doppler_sign < 0)
-      add(fmt::format("doppler_scale: {:.4f}", extractionOf(config, entry).doppler_scale *
-                                                   (scale.observable() ? scale.value : found.doppler_sign)));
+      changed.overrides["doppler_scale"] = rounded(extractionOf(config, entry).doppler_scale *
+                                                   (scale.observable() ? scale.value : found.doppler_sign));
     const CalibratedValue& offset = found[Quantity::kTimeOffset];
-    if (isOff(offset, 0.0))
-      add(fmt::format("time_offset: {:.4f}", entry.time_offset.value_or(0.0) + offset.value));
-    text += fmt::format("    {}: {{{}}}\n", data.entry_names[i], line);
+    if (isOff(offset, 0.0)) changed.time_offset = rounded(entry.time_offset.value_or(0.0) + offset.value);
+    text += fmt::format("    {}: {{{}}}\n", data.entry_names[i], setFields(changed));
     if (isOff(found[Quantity::kX], 0.0) || isOff(found[Quantity::kY], 0.0)) {
       text += fmt::format(
           "    # {}: its mount is {:+.3f} m ahead and {:+.3f} m to the left of where it is said to be\n",
@@ -174,6 +190,7 @@ CalibrationData calibrationData(const dataset::Tables& tables, const EgoVelocity
     const auto [name, entry] = entryOf(config, radar.name);
     data.entries.push_back(entry);
     data.entry_names.push_back(name);
+    data.frames.push_back(entry.frame_id.empty() ? entryOf({}, radar.name).first : entry.frame_id);
   }
   return data;
 }
@@ -204,6 +221,17 @@ CalibrationReport calibrate(const CalibrationData& data, const EgoVelocityConfig
     }
   }
   report.yaml = yamlOf(data, report.calibration, config);
+  for (std::size_t i = 0; i < data.radars.size(); ++i) {
+    const RadarCalibration& found = report.calibration.radars[i];
+    const CalibratedValue& yaw = found[Quantity::kYaw];
+    Eigen::Isometry3d& mount = report.mounts[data.frames[i]] = data.radars[i].T_base_from_sensor;
+    if (yaw.observable()) {
+      report.mount_yaws[data.entry_names[i]] = {yaw.value, yaw.std};
+      mount.linear() = Eigen::AngleAxisd(yaw.value, Eigen::Vector3d::UnitZ()) * mount.linear();
+    }
+    if (isOff(found[Quantity::kX], 0.0)) mount.translation().x() += found[Quantity::kX].value;
+    if (isOff(found[Quantity::kY], 0.0)) mount.translation().y() += found[Quantity::kY].value;
+  }
   return report;
 }
 
@@ -261,8 +289,12 @@ std::string formatTable(const CalibrationReport& report) {
   if (!delay.observable()) reasons += "  bearing_delay: " + delay.reason + "\n";
   if (!reasons.empty()) text += "Not found:\n" + reasons;
   const auto row = [](const char* name, const CalibrationResiduals& residuals) {
-    return fmt::format("{:<10} {:>14.4f} {:>9.4f} {:>9.4f} {:>15.5f}\n", name, residuals.all,
-                       residuals.motion[0], residuals.motion[1], residuals.motion[2]);
+    const auto cell = [](double value, int width, int digits) {
+      return std::isfinite(value) ? fmt::format(" {:>{}.{}f}", value, width, digits)
+                                  : fmt::format(" {:>{}}", "-", width);
+    };
+    return fmt::format("{:<10}", name) + cell(residuals.all, 14, 4) + cell(residuals.motion[0], 9, 4) +
+           cell(residuals.motion[1], 9, 4) + cell(residuals.motion[2], 15, 5) + "\n";
   };
   if (!report.before.by_radar.empty()) {
     text += fmt::format(

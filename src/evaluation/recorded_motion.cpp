@@ -8,10 +8,8 @@
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
+#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/NavSatFix.h>
-#include <tf2/buffer_core.h>
-#include <tf2/exceptions.h>
-#include <tf2_msgs/TFMessage.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -92,9 +90,25 @@ struct Stream {
       const auto twist = message.instantiate<geometry_msgs::TwistStamped>();
       frames.insert(withoutSlash(twist->header.frame_id));
       addTwist(timeOf(twist->header, message), twist->twist, nullptr);
+    } else if (type == kImuType) {
+      addImu(*message.instantiate<sensor_msgs::Imu>(), message);
     } else {
       addFix(*message.instantiate<sensor_msgs::NavSatFix>(), message);
     }
+  }
+
+  void addImu(const sensor_msgs::Imu& imu, const rosbag::MessageInstance& message) {
+    const double time = timeOf(imu.header, message);
+    frames.insert(withoutSlash(imu.header.frame_id));
+    geometry_msgs::Twist twist;
+    twist.angular = imu.angular_velocity;
+    boost::array<double, 36> covariance{};
+    for (std::size_t axis = 0; axis < 3; ++axis) covariance[7 * axis] = 10.0 * kUnobservedVariance;
+    // -1 is how it says "not measured".
+    if (imu.angular_velocity_covariance[0] == -1.0)
+      ++motion.counts.not_finite;
+    else
+      addTwist(time, twist, &covariance);
   }
 
   void addFix(const sensor_msgs::NavSatFix& fix, const rosbag::MessageInstance& message) {
@@ -199,81 +213,10 @@ void moveToBase(RecordedMotion& motion, const Eigen::Isometry3d& T_base_from_fra
     pose = StampedPose(pose.time, pose.isometry() * T_base_from_frame.inverse());
 }
 
-/// The transforms of a recording.
-class Transforms {
- public:
-  void add(const rosbag::MessageInstance& message) {
-    const bool is_static = message.getTopic() == "/tf_static";
-    const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
-    if (!transforms) return;
-    for (geometry_msgs::TransformStamped transform : transforms->transforms) {
-      transform.header.frame_id = withoutSlash(transform.header.frame_id);
-      transform.child_frame_id = withoutSlash(transform.child_frame_id);
-      if (transform.child_frame_id.empty() || transform.header.frame_id.empty()) continue;
-      buffer_.setTransform(transform, "bag", is_static);
-      parents_[transform.child_frame_id] = transform.header.frame_id;
-      if (!is_static) stamps_[transform.child_frame_id].push_back(transform.header.stamp);
-    }
-  }
-
-  /// None where the tree does not join them.
-  std::optional<Eigen::Isometry3d> between(const std::string& to, const std::string& from,
-                                           const ros::Time& time = ros::Time(0)) const {
-    try {
-      return isometryOf(buffer_.lookupTransform(to, from, time).transform);
-    } catch (const tf2::TransformException&) {
-      return std::nullopt;
-    }
-  }
-
-  /// Poses of a frame at the stamps of the transform that moves it.
-  void addPoses(const std::string& fixed, const std::string& frame, RecordedMotion& motion) const {
-    std::string moving = frame;
-    for (std::size_t i = 0; i < parents_.size() && stamps_.count(moving) == 0; ++i) {
-      const auto parent = parents_.find(moving);
-      if (parent == parents_.end()) break;
-      moving = parent->second;
-    }
-    const auto stamps = stamps_.find(moving);
-    if (stamps == stamps_.end()) return;
-    for (const ros::Time& stamp : stamps->second) {
-      ++motion.counts.messages;
-      if (const auto T = between(fixed, frame, stamp)) motion.poses.emplace_back(stamp.toSec(), *T);
-    }
-  }
-
-  std::string text() const {
-    std::string text;
-    for (const auto& [child, parent] : parents_)
-      text += fmt::format("{}{} -> {}", text.empty() ? "" : ", ", parent, child);
-    return text.empty() ? "none" : text;
-  }
-
- private:
-  tf2::BufferCore buffer_{ros::Duration(1e8)};
-  std::map<std::string, std::string> parents_;
-  std::map<std::string, std::vector<ros::Time>> stamps_;  // by child
-};
-
 /// The topic of an option. @throws InvalidParameter where it is not there or of no such type
 std::string checkedTopic(const bag::BagInput& input, const RecordingOptions& options,
                          const std::string& topic, const std::vector<std::string>& types) {
-  const std::string name = topic.front() == '/' ? topic : "/" + topic;
-  const auto found = input.topics().find(name);
-  const auto fits = [&](const std::string& type) {
-    return std::find(types.begin(), types.end(), type) != types.end();
-  };
-  if (found != input.topics().end() && fits(found->second)) return name;
-  std::string text, known;
-  for (const auto& [other, type] : input.topics())
-    if (fits(type)) known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", other, type);
-  for (const std::string& type : types) text += (text.empty() ? "" : ", ") + type;
-  const std::string option = fieldsOf(options).of(&topic).name;
-  throw InvalidParameter({option},
-                         fmt::format("{}: {} {}; of the types that serve ({}) there are: {}", option, name,
-                                     found == input.topics().end() ? "is not in the recording"
-                                                                   : "is of the type " + found->second,
-                                     text, known.empty() ? "none" : known));
+  return evaluation::checkedTopic(input, fieldsOf(options).of(&topic).name, topic, types);
 }
 
 /// Frames of tf:FIXED:FRAME; none for a topic.
@@ -525,6 +468,58 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
   if (!objects.topics().empty())
     compareObjects(objects, reference, odometry, twist.frame, transforms, options.matching, report);
   return report;
+}
+
+std::string checkedTopic(const bag::BagInput& input, const std::string& option, const std::string& topic,
+                         const std::vector<std::string>& types) {
+  const std::string name = topic.empty() ? "it" : "/" + withoutSlash(topic);
+  const auto found = input.topics().find(name);
+  const auto fits = [&](const std::string& type) {
+    return std::find(types.begin(), types.end(), type) != types.end();
+  };
+  if (found != input.topics().end() && fits(found->second)) return name;
+  std::string text, known;
+  for (const auto& [other, type] : input.topics())
+    if (fits(type)) known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", other, type);
+  for (const std::string& type : types) text += (text.empty() ? "" : ", ") + type;
+  throw InvalidParameter({option},
+                         fmt::format("{}: {} {}; of the types that serve ({}) there are: {}", option, name,
+                                     topic.empty()                   ? "must be given"
+                                     : found == input.topics().end() ? "is not in the recording"
+                                                                     : "is of the type " + found->second,
+                                     text, known.empty() ? "none" : known));
+}
+
+RecordedMotion recordedReference(const bag::BagInput& input, const std::string& name, const std::string& base,
+                                 const Transforms& transforms,
+                                 const std::function<void(const std::string&)>& warn) {
+  RecordingOptions options;
+  options.reference = name;
+  Stream reference;
+  reference.topic = name;
+  std::string type;
+  if (const auto tf_frames = framesOf(options)) {
+    transforms.addPoses(tf_frames->first, tf_frames->second, reference.motion);
+    reference.frames = {tf_frames->second};
+  } else {
+    reference.topic = checkedTopic(input, options, options.reference,
+                                   {kOdometry, kTwistCovariance, kTwist, kImuType, kFix});
+    type = input.topics().at(reference.topic);
+    input.read({reference.topic}, [&](const rosbag::MessageInstance& message) { reference.add(message); });
+  }
+  if (type == kFix) reference.motion.poses = localPoses(reference.fixes);
+  reference.motion.putInOrder();
+  if (type == kFix) addCourse(reference.motion, options.comparison.interval);
+  setFrame(reference, "", warn);
+  // A gyroscope may be mounted upside down.
+  if (type == kImuType && reference.frame != base && !transforms.between(base, reference.frame))
+    throw std::runtime_error(reference.topic + ": " + transforms.missing(base, reference.frame));
+  bringToBase(reference, base, transforms, warn);
+  if (reference.motion.twists.empty() && reference.motion.poses.size() < 2)
+    throw InvalidParameter({"reference"},
+                           fmt::format("reference: {} tells nothing; the transforms of the recording are: {}",
+                                       name, transforms.text()));
+  return reference.motion;
 }
 
 }  // namespace radar_dot::evaluation

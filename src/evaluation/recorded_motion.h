@@ -4,12 +4,17 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
+#include "evaluation/recorded_transforms.h"
 #include "radar_dot/bag/bag_input.h"
 #include "radar_dot/common/fields.h"
 #include "radar_dot/evaluation/motion_comparison.h"
 
 namespace radar_dot::evaluation {
+
+/// The type of a reference of recordedReference that tells the yaw rate alone.
+inline constexpr char kImuType[] = "sensor_msgs/Imu";
 
 /// What of a recording is compared with what.
 struct RecordingOptions {
@@ -30,5 +35,16 @@ struct RecordingOptions {
 MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOptions& options,
                                const std::function<void(const std::string&)>& warn,
                                const std::function<void(double)>& progress = {});
+
+/// The motion of a frame as a topic, also of sensor_msgs/Imu, or tf:FIXED_FRAME:FRAME tells it.
+/// @throws InvalidParameter as evaluateRecording
+RecordedMotion recordedReference(const bag::BagInput& input, const std::string& name, const std::string& base,
+                                 const Transforms& transforms,
+                                 const std::function<void(const std::string&)>& warn);
+
+/// The topic that an option names, with its slash.
+/// @throws InvalidParameter where it is not there or not of one of the types, with those that are
+std::string checkedTopic(const bag::BagInput& input, const std::string& option, const std::string& topic,
+                         const std::vector<std::string>& types);
 
 }  // namespace radar_dot::evaluation

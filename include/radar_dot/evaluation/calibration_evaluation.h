@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,7 @@
 #include "radar_dot/dataset/tables.h"
 #include "radar_dot/evaluation/figures.h"
 #include "radar_dot/radar/radar_calibration.h"
+#include "radar_dot/radar/sweep_estimator.h"
 
 namespace radar_dot::evaluation {
 
@@ -34,7 +37,9 @@ struct CalibrationData {
   std::vector<CalibratedRadar> radars;   ///< with the mounts and corrections of the configuration
   std::vector<RadarEntry> entries;       ///< of the same radars, as configured
   std::vector<std::string> entry_names;  ///< of the same entries
+  std::vector<std::string> frames;       ///< of the same radars
   std::vector<CalibrationDrive> drives;
+  bool rate_has_bias = false;  ///< of CalibrationParams
 };
 
 /// All scenes of the tables.
@@ -50,6 +55,8 @@ struct CalibrationReport {
   CalibrationResiduals before,
       after;         ///< of what was held out: as configured, and with the calibration of the rest
   std::string yaml;  ///< lines for the section ego_velocity
+  std::map<std::string, MountYaw> mount_yaws;       ///< those that were found, for mount_yaws_file
+  std::map<std::string, Eigen::Isometry3d> mounts;  ///< T_base_from_sensor as found, by frame
 
   /// False where what was held out agrees less than before, on the mean over residuals and motion.
   bool isWorthIt() const;
