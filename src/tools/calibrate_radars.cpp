@@ -38,11 +38,9 @@ int main(int argc, char** argv) {
     options.noise = config.estimator.noise;
     options.bearing_delay = config.bearing_delay;
     const evaluation::CalibrationReport report =
-        evaluation::calibrate(evaluation::calibrationData(evaluator.input.load(), config, options.reference),
+        evaluation::calibrate(evaluation::calibrationData(evaluator.load(), config, options.reference),
                               config, options, options.block);
-    evaluator.files.write(evaluator.command_line.parametersJson(),
-                          evaluation::formatJson<evaluation::CalibrationReport>({}, report),
-                          evaluation::formatCsv<evaluation::CalibrationReport>({}, report),
-                          formatTable(report));
+    evaluator.write(evaluation::formatJson<evaluation::CalibrationReport>({}, report),
+                    evaluation::formatCsv<evaluation::CalibrationReport>({}, report), formatTable(report));
   });
 }

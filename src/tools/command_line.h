@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,12 @@
 namespace radar_dot::tools {
 
 constexpr int kUsageError = 2;  ///< exit code
+constexpr int kInPart = 3;      ///< exit code: done, but for what was left out
+
+/// To be thrown at the end of work that was done but for something, which must have been listed.
+struct DoneInPart : std::runtime_error {
+  using runtime_error::runtime_error;
+};
 
 /// Which fields become options.
 using FieldFilter = std::function<bool(const Field&)>;
@@ -53,6 +60,8 @@ class CommandLine {
   /// that no report brings back where it was written.
   void addOutputs(const std::string& heading, const FieldList& fields, const FieldFilter& filter = {});
 
+  /// The work may end with DoneInPart: the help tells how.
+  void leavesOut(const std::string& what) { left_out_ = what; }
   /// The words before the first option are the items of this list.
   void takeWords(const std::string& name) { words_ = known(name).name; }
   /// An option that must be given, with a text that is not empty, where the condition holds after reading
@@ -125,7 +134,7 @@ class CommandLine {
   std::string unknownOption(const std::string& name) const;
   int complain(const std::string& line) const;
 
-  std::string tool_, purpose_, words_;  // words_: option of the leading words
+  std::string tool_, purpose_, words_, left_out_;  // words_: option of the leading words
   std::vector<std::string> examples_;
   std::vector<Section> sections_;
   std::vector<Option> options_;

@@ -27,8 +27,7 @@ int main(int argc, char** argv) {
     options.depth = evaluator.configuration.depth;
     validate(options);
     evaluation::checkBackend(options.depth.depth);
-    const auto [scenes, overall] = evaluator.scenes<evaluation::NoImages>(
-        "images",
+    const auto [scenes, overall] = evaluator.scenes(
         [&options](const auto& tables, auto scene) { return evaluateDepth(tables, scene, options); });
     if (overall.images == 0) {
       throw std::runtime_error(fmt::format(

@@ -76,9 +76,7 @@ struct MountError {
 /// Results of one scene, or of several merged by operator+=.
 struct VelocityReport {
   std::string scene;
-  std::size_t frames = 0;  ///< pairs of consecutive keyframes with a true displacement
-  /// Radar files the tables list and the disk lacks, by channel: missing, listed. Only where some are.
-  std::map<std::string, std::pair<std::size_t, std::size_t>> missing_files;
+  std::size_t frames = 0;                       ///< pairs of consecutive keyframes with a true displacement
   std::size_t refused = 0;                      ///< of them, refused by the estimator in use
   std::map<std::string, std::size_t> refusals;  ///< by reason
   std::map<std::string, Mean> mae;              ///< by variant: |v - v_gt|, m/s
