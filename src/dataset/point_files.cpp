@@ -302,7 +302,7 @@ PointCloud readLidarBin(const std::filesystem::path& file) {
           file.string(), i, record[0], record[1], record[2], record[3], ring));
     is_empty = is_empty && record == std::array<float, 5>{};
   }
-  if (is_empty && cloud.size > 0)
+  if (is_empty && cloud.size > 1)
     throw DatasetError(
         fmt::format("{}: holds zeros alone; the file is incomplete, extract it again", file.string()));
   return cloud;

@@ -147,8 +147,7 @@ void Tables::failWithoutScenes() const {
     const auto reason = reasons.find(scene.name);
     if (reason == reasons.end()) continue;
     text = fmt::format("{}: {}", scene.name, reason->second);
-    if (scenes.size() > 1)
-      text += fmt::format("; nor is there anything of the {} other scenes", scenes.size() - 1);
+    if (scenes.size() > 1) text += fmt::format("; none of the {} scenes can be used", scenes.size());
     break;
   }
   throw DatasetError(text);

@@ -131,7 +131,7 @@ void run(Arguments& arguments) {
   if (written + existed == 0) tables.failWithoutScenes();
   warnings.print();
   if (!arguments.quiet)
-    std::puts(fmt::format("{} scenes: {} bags written, {} complete before, {} without a bag",
+    std::puts(fmt::format("{} scenes, their bags: {} written, {} complete before, {} missing",
                           tables.scenes.size(), written, existed, tables.scenes.size() - written - existed)
                   .c_str());
   if (warnings.count() > 0)
