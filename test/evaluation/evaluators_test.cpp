@@ -271,7 +271,7 @@ TEST_F(Evaluators, OutputsThatCannotBeWrittenAreFoundBeforeTheWork) {
   for (const std::string tool :
        {"evaluate_depth", "evaluate_flow", "evaluate_objects", "evaluate_segmentation", "calibrate_radars"})
     expectRefusals(tool, "--dataroot /missing", {{"--csv /nowhere/out", "/nowhere/out: cannot be written"}});
-  for (const std::string target : {folder_.path().string(), file + "/out"})
+  for (const std::string& target : {folder_.path().string(), file + "/out"})
     expectRefusals("evaluate_ego_velocity", "--dataroot /missing",
                    {{"--json " + target, target + ": cannot be written"}});
   expectRefusals("evaluate_ego_velocity", "--dataroot /missing", {{"--json " + json(), "/missing"}});
