@@ -6,7 +6,6 @@
 
 #include <filesystem>
 
-#include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "report_format.h"
 #include "scene_depths.h"
 
@@ -25,7 +24,8 @@ DepthSource sourceOf(const DepthEvaluationOptions& options) {
 std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
   const std::vector<Index> readings = tables.readingsOf(scene, options.camera);
   const std::string& name = tables.scenes[at(scene)].name;
-  if (readings.empty()) throw NoImages(fmt::format("{}: no readings of {}", name, options.camera));
+  if (readings.empty())
+    throw dataset::DatasetError(fmt::format("{}: no readings of {}", name, options.camera));
   const std::size_t wanted = options.max_images > 0 ? options.max_images : readings.size();
   std::vector<Index> images;
   std::size_t missing = 0;
@@ -38,8 +38,8 @@ std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvalua
       ++missing;
   }
   if (images.empty()) {
-    throw NoImages(fmt::format("{}: no keyframe image of {} is under {}", name, options.camera,
-                               tables.dataroot().string()));
+    throw dataset::DatasetError(fmt::format("{}: no keyframe image of {} is under {}", name, options.camera,
+                                            tables.dataroot().string()));
   }
   if (missing > 0)
     tables.left_out.add(fmt::format("{} (keyframe images of {})", name, options.camera),

@@ -204,14 +204,14 @@ RadarScene loadRadarScene(const Tables& tables, Index scene, const std::vector<s
       missing +=
           fmt::format("{}{} {} of {}", missing.empty() ? "" : ", ", channel, lacks, radars.back().listed);
     if (!channels.empty() && radars.back().scans.empty()) {
-      throw NoRadarFiles(fmt::format("{}: none of the {} files of {} is under {}",
-                                     tables.scenes[at(scene)].name, radars.back().listed, channel,
-                                     tables.dataroot().string()));
+      throw dataset::DatasetError(fmt::format("{}: none of the {} files of {} is under {}",
+                                              tables.scenes[at(scene)].name, radars.back().listed, channel,
+                                              tables.dataroot().string()));
     }
   }
   const std::string& name = tables.scenes[at(scene)].name;
   if (scans == 0) {
-    throw NoRadarFiles(
+    throw dataset::DatasetError(
         fmt::format("{}: none of its radar files is under {}", name, tables.dataroot().string()));
   }
   if (!missing.empty()) tables.left_out.add(name + " (radar files)", "not on disk: " + missing);

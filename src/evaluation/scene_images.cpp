@@ -35,7 +35,8 @@ bool isOnDisk(const dataset::Tables& tables, const ImagePair& pair) {
 std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const PairOptions& options) {
   const std::vector<Index> readings = tables.readingsOf(scene, options.camera);
   const std::string& name = tables.scenes[at(scene)].name;
-  if (readings.empty()) throw NoImages(fmt::format("{}: no readings of {}", name, options.camera));
+  if (readings.empty())
+    throw dataset::DatasetError(fmt::format("{}: no readings of {}", name, options.camera));
   const auto is_key_frame = [&](std::size_t i) { return tables.sample_data[at(readings[i])].is_key_frame; };
   const std::size_t wanted = options.max_pairs > 0 ? options.max_pairs : readings.size();
   std::vector<ImagePair> found;
@@ -54,8 +55,8 @@ std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const
       ++missing;
   }
   if (found.empty()) {
-    throw NoImages(fmt::format("{}: no pair of its {} images is under {}", name, options.camera,
-                               tables.dataroot().string()));
+    throw dataset::DatasetError(fmt::format("{}: no pair of its {} images is under {}", name, options.camera,
+                                            tables.dataroot().string()));
   }
   if (missing > 0)
     tables.left_out.add(fmt::format("{} (pairs of {})", name, options.camera),

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluator.h"
 #include "radar_dot/evaluation/flow_evaluation.h"
-#include "radar_dot/evaluation/segmentation_evaluation.h"
 
 namespace {
 

@@ -96,18 +96,12 @@ struct VelocityReport {
   void describe(Figures& figures);
 };
 
-/// None of the radar files a scene needs is on disk.
-class NoRadarFiles : public dataset::DatasetError {
- public:
-  using DatasetError::DatasetError;
-};
-
 /// Evaluates one scene.
-/// @throws NoRadarFiles where a scene, or a requested channel of it, has no file; dataset::DatasetError
-///         for unreadable files, a correction
-///         for a radar the scene does not have, keyframes out of order, or poses that do not cover them, and
-///         for a folder of masks without one of the scene; std::invalid_argument for a limit on the masks'
-///         age that is invalid.
+/// @throws dataset::DatasetError where a scene, or a requested channel of it, has no file, for unreadable
+/// files,
+///         a correction for a radar the scene does not have, keyframes out of order, or poses that do not
+///         cover them, and for a folder of masks without one of the scene; std::invalid_argument for a limit
+///         on the masks' age that is invalid.
 VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, dataset::Index scene,
                                    const VelocityEvaluationOptions& options = {});
 
