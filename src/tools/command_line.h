@@ -60,8 +60,6 @@ class CommandLine {
   /// that no report brings back where it was written.
   void addOutputs(const std::string& heading, const FieldList& fields, const FieldFilter& filter = {});
 
-  /// The work may end with DoneInPart: the help tells how.
-  void leavesOut(const std::string& what) { left_out_ = what; }
   /// The words before the first option are the items of this list.
   void takeWords(const std::string& name) { words_ = known(name).name; }
   /// An option that must be given, with a text that is not empty, where the condition holds after reading
@@ -70,6 +68,8 @@ class CommandLine {
                const std::function<bool()>& condition = {});
   /// Two options that do not go together; a flag that is off goes with everything.
   void exclude(const std::string& one, const std::string& other);
+  /// The work may end with DoneInPart, for what is named in the help.
+  void leavesOut(const std::string& what) { left_out_ = what; }
 
   /// Sets the fields: first from the files of --config in their order, then from the command line.
   /// @return the exit code where the tool is not to run: 0 after --help, kUsageError after a refusal, which
@@ -134,12 +134,13 @@ class CommandLine {
   std::string unknownOption(const std::string& name) const;
   int complain(const std::string& line) const;
 
-  std::string tool_, purpose_, words_, left_out_;  // words_: option of the leading words
+  std::string tool_, purpose_, words_;  // words_: option of the leading words
   std::vector<std::string> examples_;
   std::vector<Section> sections_;
   std::vector<Option> options_;
   /// What is offered of each section, and at last of none, without outputs.
   std::vector<Section> offered_ = {{"options", "", {}}};
+  std::string left_out_;  ///< what may be, in the help
   std::vector<Requirement> requirements_;
   std::vector<std::pair<std::string, std::string>> exclusions_;
   std::map<const void*, std::string> given_;  ///< by member: place in a file; empty: the command line

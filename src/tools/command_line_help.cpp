@@ -123,12 +123,11 @@ std::string CommandLine::help() const {
     for (const Option* option : options) text += helpOf(*option);
   }
   if (!left_out_.empty()) {
-    text += "\n" +
-            wrapped("",
-                    fmt::format("Exit code: 0 done; 1 nothing was done; {} wrong usage; {} done but for {}, "
-                                "which is left out and listed with the reasons.",
-                                kUsageError, kInPart, left_out_),
-                    "", kWidth);
+    text += "\n" + wrapped("",
+                           fmt::format("Exit code: 0 done; 1 failed; {} wrong usage; {} done but for {}, "
+                                       "which is left out and listed with the reasons.",
+                                       kUsageError, kInPart, left_out_),
+                           "", kWidth);
   }
   if (!examples_.empty()) text += "\nExamples:\n";
   for (const std::string& example : examples_) text += "  " + example + "\n";
