@@ -18,9 +18,6 @@ namespace {
 using dataset::Index;
 using dataset::Tables;
 
-// nuInsSeg annotates the keyframes of the front camera.
-constexpr std::string_view kMaskChannel = "CAM_FRONT";
-
 bool contains(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -69,12 +66,14 @@ void collectReadings(const Tables& tables, Index scene, const std::vector<std::s
   }
 }
 
-void collectMasks(const Tables& tables, Index scene, const std::vector<dataset::InstanceMask>& masks,
-                  SceneContent& content) {
+void collectMasks(const Tables& tables, Index scene, const std::vector<std::string>& channels,
+                  const std::vector<dataset::InstanceMask>& masks, SceneContent& content) {
   std::unordered_map<dataset::Token, Index> images;
-  for (const Index reading : tables.readingsOf(scene, kMaskChannel)) {
-    const dataset::SampleData& row = at(tables.sample_data, reading);
-    if (row.is_key_frame) images.emplace(row.token, reading);
+  for (const std::string& channel : channels) {
+    for (const Index reading : tables.readingsOf(scene, channel)) {
+      const dataset::SampleData& row = at(tables.sample_data, reading);
+      if (row.is_key_frame) images.emplace(row.token, reading);
+    }
   }
   for (const dataset::InstanceMask& mask : masks) {
     const auto image = images.find(mask.sample_data_token);
@@ -94,11 +93,9 @@ SceneContent collectContent(const Tables& tables, Index scene, const ConvertOpti
   }
   content.poses = tables.egoPosesOf(scene);
   content.twists = egoTwists(tables, content.poses);
-  content.can = dataset::readCanBus(tables.dataroot(), at(tables.scenes, scene).name);
+  content.can = dataset::readCanBus(tables.dataroot(), at(tables.scenes, scene).name, tables.left_out);
   if (!tables.annotations.empty()) content.keyframes = tables.samplesOf(scene);
-  if (options.masks != nullptr && contains(channels, kMaskChannel)) {
-    collectMasks(tables, scene, *options.masks, content);
-  }
+  if (options.masks != nullptr) collectMasks(tables, scene, channels, *options.masks, content);
   return content;
 }
 

@@ -3,13 +3,16 @@
 #include "radar_dot/bag/scene_converter.h"
 
 #include <fmt/format.h>
+#include <rosbag/view.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cstdint>
+#include <initializer_list>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -35,6 +38,58 @@ fs::path bagPath(const Tables& tables, Index scene, const fs::path& folder) {
         fmt::format("scene.json, record {}, field name: \"{}\" cannot name a bag file", scene, name));
   }
   return folder / (name + ".bag");
+}
+
+/// The name of a file may say something else.
+std::string formatOf(const std::vector<std::uint8_t>& image, const fs::path& file) {
+  const auto begins = [&image](std::initializer_list<std::uint8_t> bytes) {
+    return image.size() > bytes.size() && std::equal(bytes.begin(), bytes.end(), image.begin());
+  };
+  if (begins({0xff, 0xd8, 0xff})) return "jpeg";
+  if (begins({0x89, 'P', 'N', 'G'})) return "png";
+  throw dataset::DatasetError(file.string() + ": is neither a JPEG nor a PNG image");
+}
+
+dataset::Modality modalityOf(const Tables& tables, const dataset::SampleData& row) {
+  return at(tables.sensors, at(tables.calibrated_sensors, row.calibrated_sensor).sensor).modality;
+}
+
+std::string topicOf(const Tables& tables, const dataset::SampleData& row) {
+  const bool is_camera = modalityOf(tables, row) == dataset::Modality::kCamera;
+  return "/" + frameOf(tables.channelOf(row)) + (is_camera ? "/image/compressed" : "");
+}
+
+/// A bag has its name since it is complete; files may have come since then.
+ConvertSummary summaryOf(const fs::path& file, const Tables& tables, const SceneContent& content) {
+  ConvertSummary summary;
+  summary.file = file;
+  summary.existed = true;
+  summary.missing = content.missing;
+  std::set<std::string> topics;
+  std::size_t on_disk = 0;
+  for (const Index reading : content.readings) {
+    const dataset::SampleData& row = at(tables.sample_data, reading);
+    if (modalityOf(tables, row) == dataset::Modality::kOther) continue;  // is not converted
+    topics.insert(topicOf(tables, row));
+    ++on_disk;
+  }
+  std::size_t in_bag = 0;
+  try {
+    rosbag::Bag bag(file.string(), rosbag::bagmode::Read);
+    summary.messages = rosbag::View(bag).size();
+    in_bag = rosbag::View(bag, rosbag::TopicQuery(std::vector(topics.begin(), topics.end()))).size();
+  } catch (const std::exception& error) {
+    throw dataset::DatasetError(
+        fmt::format("{} exists already and is no complete bag ({}): remove it, or allow "
+                    "overwriting (--force)",
+                    file.string(), error.what()));
+  }
+  if (in_bag < on_disk)
+    throw dataset::DatasetError(
+        fmt::format("{} exists already, with {} of the {} sensor files that are on disk "
+                    "now: remove it, or allow overwriting (--force)",
+                    file.string(), in_bag, on_disk));
+  return summary;
 }
 
 /// What `rosbag play` looks for to latch a topic again.
@@ -113,11 +168,10 @@ void SceneWriter::write(const Event& event) {
 
 void SceneWriter::writeReading(Index reading) {
   const dataset::SampleData& row = at(tables_.sample_data, reading);
-  const dataset::CalibratedSensor& mount = at(tables_.calibrated_sensors, row.calibrated_sensor);
   const std::string frame = frameOf(tables_.channelOf(row));
-  switch (at(tables_.sensors, mount.sensor).modality) {
+  switch (modalityOf(tables_, row)) {
     case dataset::Modality::kRadar:
-      writeCloud(row, dataset::readPcd(tables_.path(row)), frame);
+      writeCloud(row, dataset::readRadarPcd(tables_.path(row)), frame);
       ++radar_files_;
       break;
     case dataset::Modality::kLidar: writeCloud(row, dataset::readLidarBin(tables_.path(row)), frame); break;
@@ -134,7 +188,7 @@ void SceneWriter::writeCloud(const dataset::SampleData& reading, PointCloud&& cl
   const ros::Time stamp = toTime(reading.timestamp_us);
   sensor_msgs::PointCloud2 message = toPointCloud2(std::move(cloud), frame, stamp);
   message.header.seq = ++clouds_[frame];  // a replay keeps it, and shows what is lost
-  bag_.write("/" + frame, stamp, message);
+  bag_.write(topicOf(tables_, reading), stamp, message);
   sensor_bytes_ += fs::file_size(tables_.path(reading));
 }
 
@@ -143,14 +197,17 @@ void SceneWriter::writeImage(const dataset::SampleData& reading, const std::stri
   sensor_msgs::CompressedImage image;
   image.header.stamp = toTime(reading.timestamp_us);
   image.header.frame_id = frame;
-  image.format = file.extension() == ".png" ? "png" : "jpeg";
   image.data = dataset::readBytes(file);
-  bag_.write("/" + frame + "/image/compressed", image.header.stamp, image);
+  image.format = formatOf(image.data, file);
+  bag_.write(topicOf(tables_, reading), image.header.stamp, image);
   sensor_bytes_ += image.data.size();
 }
 
 void SceneWriter::writeCameraInfo(const dataset::SampleData& reading, const std::string& frame) {
   const ros::Time stamp = toTime(reading.timestamp_us);
+  if (reading.width == 0 || reading.height == 0)
+    throw dataset::DatasetError(fmt::format("sample_data.json: the record of {} has no width and height",
+                                            tables_.path(reading).string()));
   bag_.write("/" + frame + "/camera_info", stamp,
              toCameraInfo(at(tables_.calibrated_sensors, reading.calibrated_sensor), reading, frame, stamp));
 }
@@ -163,8 +220,9 @@ void SceneWriter::writeMask(Index reading) {
   const bool has_image =
       std::find(content_.readings.begin(), content_.readings.end(), reading) != content_.readings.end();
   if (!has_image) writeCameraInfo(row, frame);
-  bag_.write("/ground_truth/dynamic_mask/compressed", stamp,
-             toDynamicMask(tables_, content_.masks.at(reading), frame, stamp));
+  bag_.write(frame == "cam_front" ? "/ground_truth/dynamic_mask/compressed"
+                                  : "/ground_truth/" + frame + "/dynamic_mask/compressed",
+             stamp, toDynamicMask(tables_, content_.masks.at(reading), frame, stamp));
 }
 
 }  // namespace
@@ -172,8 +230,10 @@ void SceneWriter::writeMask(Index reading) {
 ConvertSummary convertScene(const Tables& tables, Index scene, const fs::path& folder,
                             const ConvertOptions& options, const ProgressCallback& progress) {
   const SceneContent content = collectContent(tables, scene, options);
+  const fs::path file = bagPath(tables, scene, folder);
+  if (!options.overwrite && fs::is_regular_file(file)) return summaryOf(file, tables, content);
   const std::vector<Event> events = schedule(tables, content);
-  BagFile bag(bagPath(tables, scene, folder), options.compression, options.overwrite);
+  BagFile bag(file, options.compression, options.overwrite);
   SceneWriter writer(tables, content, bag);
   // Readers of a bag do not order messages of the same time: a microsecond keeps the mounts first.
   writer.writeMounts(toTime(events.front().time_us - 1));

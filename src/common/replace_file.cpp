@@ -13,24 +13,46 @@
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace radar_dot {
 
-void replaceFile(const std::string& path, const std::string& text) {
-  namespace fs = std::filesystem;
-  const auto fail = [&](const std::string& cause) {
-    throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, cause));
-  };
-  if (path.empty()) fail("the name is empty");
-  // A link is followed to the file it means; a device or pipe is written to, never replaced.
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& path, const std::string& cause) {
+  throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, cause));
+}
+
+/// What is written to for a path, and whether it is a device or pipe, which is never replaced.
+std::pair<fs::path, bool> targetOf(const std::string& path) {
+  if (path.empty()) fail(path, "the name is empty");
+  // A link is followed to the file it means.
   std::error_code error;
   const fs::path target = fs::is_symlink(path, error) ? fs::weakly_canonical(path, error) : fs::path(path);
-  if (fs::is_directory(target, error)) fail("it is a folder");
-  const bool in_place = fs::exists(target, error) && !fs::is_regular_file(target, error);
+  if (fs::is_directory(target, error)) fail(path, "it is a folder");
+  return {target, fs::exists(target, error) && !fs::is_regular_file(target, error)};
+}
 
+}  // namespace
+
+void requireReplaceable(const std::string& path) {
+  const auto [target, in_place] = targetOf(path);
+  std::string name = target.string() + (in_place ? "" : ".XXXXXX");
+  // Opening a pipe would wait for its reader.
+  const int descriptor = in_place ? ::access(name.c_str(), W_OK) : ::mkstemp(name.data());
+  if (descriptor < 0) fail(path, std::generic_category().message(errno));
+  if (in_place) return;
+  ::close(descriptor);
+  ::unlink(name.c_str());
+}
+
+void replaceFile(const std::string& path, const std::string& text) {
+  const auto [target, in_place] = targetOf(path);
   std::string name = in_place ? target.string() : target.string() + ".XXXXXX";
   const int descriptor = in_place ? ::open(name.c_str(), O_WRONLY | O_CLOEXEC) : ::mkstemp(name.data());
-  if (descriptor < 0) fail(std::generic_category().message(errno));
+  if (descriptor < 0) fail(path, std::generic_category().message(errno));
   int cause = 0;
   for (std::size_t written = 0; written < text.size() && cause == 0;) {
     const ssize_t count = ::write(descriptor, text.data() + written, text.size() - written);
@@ -42,7 +64,7 @@ void replaceFile(const std::string& path, const std::string& text) {
   if (!in_place && cause == 0 && std::rename(name.c_str(), target.c_str()) != 0) cause = errno;
   if (cause == 0) return;
   if (!in_place) ::unlink(name.c_str());
-  fail(std::generic_category().message(cause));
+  fail(path, std::generic_category().message(cause));
 }
 
 }  // namespace radar_dot

@@ -10,4 +10,7 @@ namespace radar_dot {
 /// are followed; devices and pipes are written to directly. @throws std::runtime_error naming the path
 void replaceFile(const std::string& path, const std::string& text);
 
+/// Finds out beforehand what would keep replaceFile() from it. @throws std::runtime_error naming the path
+void requireReplaceable(const std::string& path);
+
 }  // namespace radar_dot

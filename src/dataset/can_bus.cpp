@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "can_fields.h"
 #include "json_records.h"
@@ -23,23 +24,40 @@ void readValue(const Record& record, std::size_t field, std::array<double, 4>& v
   value = record.quaternion(field);
 }
 
-/// Reads can_bus/<scene>_<part>.json in the order of time; nothing where it does not exist.
+/// Reads can_bus/<scene>_<part>.json in the order of time; nothing where it does not exist. Rows without a
+/// value, or with the time of another row, are left out.
 template <typename Row>
 std::vector<Row> readPart(const std::filesystem::path& dataroot, std::string_view scene,
-                          std::string_view part) {
+                          std::string_view part, const LeftOut& left_out) {
   const std::string label = fmt::format("can_bus/{}_{}.json", scene, part);
   std::vector<Row> rows;
   if (!std::filesystem::exists(dataroot / label)) return rows;
   Record::FieldNames names = {"utime"};
   forEachCanField(Row(), [&](std::string_view name, const auto&) { names.push_back(name); });
+  std::size_t listed = 0;
+  std::string reason;
   readRecords(dataroot / label, label, names, [&](const Record& record) {
-    Row& row = rows.emplace_back();
-    row.timestamp_us = record.integer(0);
-    std::size_t field = 0;
-    forEachCanField(row, [&](std::string_view, auto& value) { readValue(record, ++field, value); });
+    ++listed;
+    try {
+      Row row;
+      row.timestamp_us = record.integer(0);
+      std::size_t field = 0;
+      forEachCanField(row, [&](std::string_view, auto& value) { readValue(record, ++field, value); });
+      rows.push_back(row);
+    } catch (const ValueError& error) {
+      if (reason.empty()) reason = error.what();
+    }
   });
   std::stable_sort(rows.begin(), rows.end(),
                    [](const Row& a, const Row& b) { return a.timestamp_us < b.timestamp_us; });
+  const auto repeated = std::unique(
+      rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.timestamp_us == b.timestamp_us; });
+  if (repeated != rows.end() && reason.empty())
+    reason = fmt::format("two have the time {}", std::prev(repeated)->timestamp_us);
+  rows.erase(repeated, rows.end());
+  if (rows.size() < listed)
+    left_out.add(label,
+                 fmt::format("{} of {} rows, the first because: {}", listed - rows.size(), listed, reason));
   return rows;
 }
 
@@ -63,9 +81,14 @@ double rearAxleSpeed(const CanVehicleInfo& info) noexcept {
   return mean_rpm * 2.0 * kPi * kZoeWheelRadius / 60.0;
 }
 
-CanBus readCanBus(const std::filesystem::path& dataroot, std::string_view scene) {
-  return {readPart<CanPose>(dataroot, scene, "pose"), readPart<CanImu>(dataroot, scene, "ms_imu"),
-          readPart<CanVehicleInfo>(dataroot, scene, "zoe_veh_info")};
+std::vector<CanVehicleInfo> readVehicleInfo(const std::filesystem::path& dataroot, std::string_view scene,
+                                            const LeftOut& left_out) {
+  return readPart<CanVehicleInfo>(dataroot, scene, "zoe_veh_info", left_out);
+}
+
+CanBus readCanBus(const std::filesystem::path& dataroot, std::string_view scene, const LeftOut& left_out) {
+  return {readPart<CanPose>(dataroot, scene, "pose", left_out),
+          readPart<CanImu>(dataroot, scene, "ms_imu", left_out), readVehicleInfo(dataroot, scene, left_out)};
 }
 
 void writeCanBus(const std::filesystem::path& dataroot, std::string_view scene, const CanBus& can_bus) {

@@ -21,6 +21,9 @@ constexpr std::string_view kTables[] = {
     "sample",    "sample_annotation", "sample_data", "scene",    "sensor",   "visibility"};
 constexpr std::size_t kMaxNames = 50;
 
+/// Nothing in the package needs what they say.
+bool isOptional(std::string_view table) { return table == "log" || table == "map" || table == "visibility"; }
+
 /// Versions in a dataroot: its folders with a scene table.
 std::vector<std::string> versionsIn(const fs::path& dataroot) {
   std::vector<std::string> versions;
@@ -46,6 +49,7 @@ void requireTables(const fs::path& dataroot, const std::string& version, bool wi
     throw DatasetError(fmt::format("dataroot {} holds no version '{}'; versions there: {}", dataroot.string(),
                                    version, sortedList(versionsIn(dataroot))));
   for (const std::string_view table : kTables) {
+    if (isOptional(table)) continue;
     if (!with_annotations && (table == "instance" || table == "sample_annotation")) continue;
     const std::string file = fmt::format("{}/{}.json", version, table);
     if (!fs::exists(dataroot / file))

@@ -64,6 +64,7 @@ RunLengthMask runLengthsOf(const Record& record, const JsonValue& value) {
   }
 }
 
+/// Empty where it encloses nothing.
 Polygon polygonOf(const Record& record, const JsonValue& value) {
   Polygon polygon;
   for (const JsonValue& number : value.GetArray()) {
@@ -72,14 +73,16 @@ Polygon polygonOf(const Record& record, const JsonValue& value) {
                   fmt::format("has a polygon with a coordinate that is no number within +-{}", kMaxSide));
     polygon.push_back(number.GetDouble());
   }
-  if (polygon.size() < kMinPolygonNumbers || polygon.size() % 2 != 0)
-    record.fail(kMask, fmt::format("has a polygon of {} numbers; x y pairs of 3 or more corners are needed",
-                                   polygon.size()));
+  if (polygon.size() % 2 != 0)
+    record.fail(kMask, fmt::format("has a polygon of {} numbers, which are no x y pairs", polygon.size()));
+  if (polygon.size() < kMinPolygonNumbers) polygon.clear();
   return polygon;
 }
 
+/// @throws ValueError where nothing is left of it
 void readMask(const Record& record, InstanceMask& row) {
   const JsonValue& value = record.value(kMask);
+  if (value.IsNull()) record.failForValue(kMask, "is null");
   if (!value.IsObject() && !value.IsArray())
     record.fail(kMask, "must be run lengths {size, counts}, a list of those or a list of polygons");
   const bool is_list = value.IsArray();
@@ -91,13 +94,19 @@ void readMask(const Record& record, InstanceMask& row) {
       runs.push_back(runLengthsOf(record, *part));
     else if (part->IsArray())
       polygons.push_back(polygonOf(record, *part));
-    else
+    else if (!part->IsNull())
       record.fail(kMask, "must hold run lengths {size, counts} or polygons");
-    if (!runs.empty() &&
-        (runs.back().rows != runs.front().rows || runs.back().columns != runs.front().columns))
-      record.fail(kMask, "has parts of unequal size");
+    if (!runs.empty() && row.image.empty()) row.image = {runs.back().columns, runs.back().rows};
+    if (!runs.empty() && (runs.back().rows != row.image.height || runs.back().columns != row.image.width))
+      record.failForValue(kMask,
+                          fmt::format("is of {} x {} pixels, its image of {} x {}", runs.back().columns,
+                                      runs.back().rows, row.image.width, row.image.height));
   }
   if (!runs.empty() && !polygons.empty()) record.fail(kMask, "mixes run lengths and polygons");
+  polygons.erase(std::remove_if(polygons.begin(), polygons.end(), [](const Polygon& p) { return p.empty(); }),
+                 polygons.end());
+  if (runs.empty() && polygons.empty()) record.failForValue(kMask, "encloses nothing");
+  if (row.image.empty()) row.image = InstanceMask().image;
   if (runs.empty())
     row.mask = std::move(polygons);
   else
@@ -112,7 +121,7 @@ cv::Mat emptyCanvas() { return cv::Mat::zeros(kMaskRows, kMaskColumns, CV_8UC1);
 
 cv::Size canvasOf(const InstanceMask& instance) {
   const auto* runs = std::get_if<std::vector<RunLengthMask>>(&instance.mask);
-  if (runs == nullptr || runs->empty()) return {kMaskColumns, kMaskRows};
+  if (runs == nullptr || runs->empty()) return instance.image;
   return {runs->front().columns, runs->front().rows};
 }
 
@@ -142,13 +151,15 @@ std::vector<InstanceMask> readInstanceMasks(Tables& tables, const std::filesyste
   const std::filesystem::path source = file.empty() ? maskFile(tables) : file;
   const std::string label = file.empty() ? tables.version() + "/nuinsseg.json" : file.string();
   std::vector<InstanceMask> rows;
+  std::size_t skipped = 0;
+  std::string reason;
   readRecords(source, label,
               {"token", "sample_data_token", "filename", "bbox_corners", "category_name", "instance_mask",
                "attribute_tokens", "instance_token", "visibility_token"},
               [&](const Record& record) {
                 const Token reading = tables.tokens.find(record.text(kSampleData));
                 if (tables.findReading(reading) == kNone) return;
-                InstanceMask& row = rows.emplace_back();
+                InstanceMask row;
                 row.token = tables.tokens.intern(record.text(kToken));
                 row.sample_data_token = reading;
                 row.filename = record.text(kFilename);
@@ -159,8 +170,18 @@ std::vector<InstanceMask> readInstanceMasks(Tables& tables, const std::filesyste
                 row.instance_token = tables.tokens.intern(record.text(kInstance));
                 if (record.has(kVisibility))
                   row.visibility_token = tables.tokens.intern(record.text(kVisibility));
-                readMask(record, row);
+                const SampleData& image = at(tables.sample_data, tables.findReading(reading));
+                row.image = {image.width, image.height};
+                try {
+                  readMask(record, row);
+                  rows.push_back(std::move(row));
+                } catch (const ValueError& error) {
+                  if (skipped++ == 0) reason = error.what();
+                }
               });
+  if (skipped > 0)
+    tables.left_out.add(label, fmt::format("{} of {} instances, the first because: {}", skipped,
+                                           skipped + rows.size(), reason));
   return rows;
 }
 

@@ -44,12 +44,11 @@ bool Record::has(std::size_t field) const noexcept {
   return values_[field] != nullptr && !values_[field]->IsNull();
 }
 
-void Record::fail(std::size_t field, std::string_view complaint) const {
+std::string Record::complaintOf(std::size_t field, std::string_view complaint) const {
   std::string identity;
   if (names_.front() == "token" && has(0) && values_[0]->IsString())
     identity = fmt::format(" (token {})", text(0));
-  throw DatasetError(
-      fmt::format("{} record {}{}: field '{}' {}", label_, number_, identity, names_[field], complaint));
+  return fmt::format("{} record {}{}: field '{}' {}", label_, number_, identity, names_[field], complaint);
 }
 
 const JsonValue& Record::value(std::size_t field) const {
@@ -60,8 +59,10 @@ const JsonValue& Record::value(std::size_t field) const {
 const JsonValue& Record::require(bool (JsonValue::*is_kind)() const, std::size_t field,
                                  std::string_view kind) const {
   const JsonValue& found = value(field);
-  if (!(found.*is_kind)()) fail(field, fmt::format("must be {} but is {}", kind, kindOf(found)));
-  return found;
+  if ((found.*is_kind)()) return found;
+  const std::string complaint = fmt::format("must be {} but is {}", kind, kindOf(found));
+  if (found.IsNull()) failForValue(field, complaint);
+  fail(field, complaint);
 }
 
 std::string_view Record::text(std::size_t field) const {
@@ -73,7 +74,9 @@ bool Record::boolean(std::size_t field) const {
 }
 
 double Record::number(std::size_t field) const {
-  return require(&JsonValue::IsNumber, field, "a number").GetDouble();
+  const double found = require(&JsonValue::IsNumber, field, "a number").GetDouble();
+  if (!std::isfinite(found)) failForValue(field, fmt::format("must be finite but is {}", found));
+  return found;
 }
 
 std::int64_t Record::integer(std::size_t field) const {
@@ -104,9 +107,15 @@ void Record::readNumbers(std::size_t field, double* values, std::size_t count) c
   const JsonValue& found = require(&JsonValue::IsArray, field, "a list of numbers");
   if (found.Size() != count) fail(field, fmt::format("must hold {} numbers", count));
   for (rapidjson::SizeType i = 0; i < count; ++i) {
-    if (!found[i].IsNumber())
-      fail(field, fmt::format("must hold {} numbers but value {} is {}", count, i, kindOf(found[i])));
+    if (!found[i].IsNumber()) {
+      const std::string complaint =
+          fmt::format("must hold {} numbers but value {} is {}", count, i, kindOf(found[i]));
+      if (found[i].IsNull()) failForValue(field, complaint);
+      fail(field, complaint);
+    }
     values[i] = found[i].GetDouble();
+    if (!std::isfinite(values[i]))
+      failForValue(field, fmt::format("must hold finite numbers but value {} is {}", i, values[i]));
   }
 }
 
@@ -114,7 +123,7 @@ std::array<double, 4> Record::quaternion(std::size_t field) const {
   const auto q = numbers<4>(field);
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   if (!(std::abs(norm - 1.0) < kUnitTolerance))
-    fail(field, fmt::format("must be a unit quaternion w x y z but its norm is {:.6g}", norm));
+    failForValue(field, fmt::format("must be a unit quaternion w x y z but its norm is {:.6g}", norm));
   return q;
 }
 
@@ -145,7 +154,8 @@ void readRecords(const std::filesystem::path& file, const std::string& label, co
   }
   Reader reader;
   const auto parse = [&](Document& object) {
-    return !reader.Parse<kParseStopWhenDoneFlag>(input, object).IsError();
+    // Python writes NaN and Infinity; the readers of numbers refuse them by name.
+    return !reader.Parse<kParseStopWhenDoneFlag | kParseNanAndInfFlag>(input, object).IsError();
   };
   Record record(label, names);
   for (bool is_over = skipTo(']'); !is_over; ++record.number_) {

@@ -21,8 +21,14 @@ using JsonValue = rapidjson::Value;
 
 inline std::string_view textOf(const JsonValue& text) { return {text.GetString(), text.GetStringLength()}; }
 
+/// A field of the right kind whose value is none: null, not finite, no unit quaternion.
+class ValueError : public DatasetError {
+ public:
+  using DatasetError::DatasetError;
+};
+
 /// One object of a JSON list, by the numbers of the fields asked for. Each of the readers throws
-/// DatasetError where the field is missing or of another kind.
+/// DatasetError where the field is missing or of another kind, ValueError where it is null or not finite.
 class Record {
  public:
   using FieldNames = std::vector<std::string_view>;
@@ -55,13 +61,20 @@ class Record {
   std::array<double, 4> quaternion(std::size_t field) const;
 
   /// @throws DatasetError "<file> record <number> (token ...): field '<name>' <complaint>".
-  [[noreturn]] void fail(std::size_t field, std::string_view complaint) const;
+  [[noreturn]] void fail(std::size_t field, std::string_view complaint) const {
+    throw DatasetError(complaintOf(field, complaint));
+  }
+  /// The same for a value that stands for none.
+  [[noreturn]] void failForValue(std::size_t field, std::string_view complaint) const {
+    throw ValueError(complaintOf(field, complaint));
+  }
 
  private:
   friend void readRecords(const std::filesystem::path&, const std::string&, const FieldNames&,
                           const std::function<void(const Record&)>&);
 
   void take(const JsonValue& object);
+  std::string complaintOf(std::size_t field, std::string_view complaint) const;
   const JsonValue& require(bool (JsonValue::*is_kind)() const, std::size_t field,
                            std::string_view kind) const;
   void readNumbers(std::size_t field, double* values, std::size_t count) const;

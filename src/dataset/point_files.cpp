@@ -8,6 +8,8 @@
 #include <pcl/register_point_struct.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -31,6 +33,8 @@ POINT_CLOUD_REGISTER_POINT_STRUCT(
 
 namespace radar_dot::dataset {
 namespace {
+
+constexpr float kMaxRing = 1023.0F;
 
 std::vector<std::string_view> wordsOf(std::string_view line) {
   std::vector<std::string_view> words;
@@ -190,6 +194,16 @@ void checkAscii(const std::string& lines, const PointCloud& cloud, const std::fi
   }
 }
 
+/// nuScenes pads its files with zeros; anything else are records of another size than the header says.
+void requirePadding(std::string_view body, const PointCloud& cloud, const std::filesystem::path& file) {
+  const std::size_t end = cloud.size * cloud.point_step;
+  if (end >= body.size() || body.find_first_not_of('\0', end) == std::string_view::npos) return;
+  throw DatasetError(
+      fmt::format("{}: the data go on behind the last of {} records of {} bytes; SIZE, COUNT or "
+                  "POINTS of its header are wrong",
+                  file.string(), cloud.size, cloud.point_step));
+}
+
 /// Whether compressed data unpack to `size` bytes; PCL reads, and allocates, whatever they say.
 bool unpacks(std::string_view body, std::size_t size) {
   std::uint32_t sizes[2] = {};  // packed, unpacked
@@ -247,6 +261,7 @@ PointCloud readPcd(const std::filesystem::path& file) {
                       "extract it again",
                       file.string(), cloud.size));
   } else {
+    if (format == "binary") requirePadding(body, cloud, file);
     const std::size_t available = format == "ascii"
                                       ? static_cast<std::size_t>(std::count(body.begin(), body.end(), '\n'))
                                       : body.size() / cloud.point_step;
@@ -274,6 +289,38 @@ PointCloud readLidarBin(const std::filesystem::path& file) {
         fmt::format("{}: {} bytes are no multiple of a record of {} (five float32); is the file complete?",
                     file.string(), cloud.data.size(), cloud.point_step));
   cloud.size = cloud.data.size() / cloud.point_step;
+  bool is_empty = true;
+  for (std::size_t i = 0; i < cloud.size; ++i) {
+    std::array<float, 5> record{};
+    std::memcpy(record.data(), cloud.data.data() + i * cloud.point_step, cloud.point_step);
+    const float ring = record[4];
+    if (!std::isfinite(record[0] + record[1] + record[2]) || !(ring >= 0.0F && ring <= kMaxRing) ||
+        ring != std::floor(ring))
+      throw DatasetError(fmt::format(
+          "{}: record {} (counted from 0) is no x y z intensity ring: {} {} {} {} {}; the file has "
+          "other records than five float32, or is none of points",
+          file.string(), i, record[0], record[1], record[2], record[3], ring));
+    is_empty = is_empty && record == std::array<float, 5>{};
+  }
+  if (is_empty && cloud.size > 1)
+    throw DatasetError(
+        fmt::format("{}: holds zeros alone; the file is incomplete, extract it again", file.string()));
+  return cloud;
+}
+
+PointCloud readRadarPcd(const std::filesystem::path& file) {
+  PointCloud cloud = readPcd(file);
+  const bool has_velocity =
+      std::any_of(cloud.fields.begin(), cloud.fields.end(), [](const PointField& field) {
+        std::string name = field.name;
+        for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return name.front() == 'v' || name.find("doppler") != std::string::npos ||
+               name.find("rate") != std::string::npos || name.find("speed") != std::string::npos ||
+               name == "rdot";
+      });
+  if (!has_velocity)
+    throw DatasetError(fmt::format("{}: is no radar scan, which has a velocity; its fields are: {}",
+                                   file.string(), fieldNames(cloud.fields)));
   return cloud;
 }
 

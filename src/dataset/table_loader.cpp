@@ -71,7 +71,7 @@ class TableLoader {
     TableSource<Row> source;
     source.label = label(table);
     source.rows = &rows;
-    readRecords(file(table), source.label, fields, [&](const Record& record) {
+    const auto on_record = [&](const Record& record) {
       if (rows.size() >= static_cast<std::size_t>(std::numeric_limits<Index>::max()))
         record.fail(0, "is of a record too many; load fewer scenes");
       Row row;
@@ -80,7 +80,9 @@ class TableLoader {
       if (row.token == Token{}) record.fail(0, "is empty");
       rows.push_back(std::move(row));
       if (filtering()) source.records.push_back(record.number());
-    });
+    };
+    // requireTables() has found all that are needed.
+    if (fs::exists(file(table))) readRecords(file(table), source.label, fields, on_record);
     if (const Index twin = source.index.build(rows); twin != kNone) {
       const auto row = static_cast<std::size_t>(twin);
       const auto first = static_cast<std::size_t>(source.find(rows[row].token));
@@ -120,6 +122,7 @@ class TableLoader {
   }
 
   static std::optional<Eigen::Matrix3d> cameraMatrix(const Record& record, std::size_t field) {
+    if (!record.has(field)) return std::nullopt;
     const JsonValue::ConstArray rows = record.list(field);
     if (rows.Empty()) return std::nullopt;
     Eigen::Matrix3d matrix;
@@ -129,6 +132,7 @@ class TableLoader {
         record.fail(field, "must be empty or 3 lists of 3 numbers");
       matrix(i / 3, i % 3) = rows[i / 3][i % 3].GetDouble();
     }
+    if (!matrix.allFinite()) record.fail(field, "must hold finite numbers");
     return matrix;
   }
 
@@ -136,17 +140,18 @@ class TableLoader {
     enum { kToken, kLogfile, kVehicle, kDate, kLocation };
     logs_ = readTable("log", {"token", "logfile", "vehicle", "date_captured", "location"}, tables_.logs,
                       [](const Record& record, Log& row) {
-                        row.logfile = record.text(kLogfile);
-                        row.vehicle = record.text(kVehicle);
-                        row.date_captured = record.text(kDate);
-                        row.location = record.text(kLocation);
+                        row.logfile = optionalText(record, kLogfile);
+                        row.vehicle = optionalText(record, kVehicle);
+                        row.date_captured = optionalText(record, kDate);
+                        row.location = optionalText(record, kLocation);
                         return true;
                       });
     enum { kSelf, kCategory, kFilename, kLogs };
     readTable("map", {"token", "category", "filename", "log_tokens"}, tables_.maps,
               [&](const Record& record, Map& row) {
-                row.category = record.text(kCategory);
-                row.filename = record.text(kFilename);
+                row.category = optionalText(record, kCategory);
+                row.filename = optionalText(record, kFilename);
+                if (!record.has(kLogs)) return true;
                 for (const std::string_view token : record.texts(kLogs)) {
                   // A map serves the whole city: parts of the dataset do not hold all of its logs.
                   const Index log = logs_.find(tables_.tokens.find(token));
@@ -168,8 +173,8 @@ class TableLoader {
                           if (filtering() && std::find(options_.scenes.begin(), options_.scenes.end(),
                                                        row.name) == options_.scenes.end())
                             return false;
-                          row.description = record.text(kDescription);
-                          row.log = reference(record, kLog, logs_);
+                          row.description = optionalText(record, kDescription);
+                          if (!tables_.logs.empty()) row.log = reference(record, kLog, logs_);
                           row.sample_count = count(record, kCount);
                           remember(first_samples_, record, kFirst);
                           remember(last_samples_, record, kLast);
@@ -218,8 +223,8 @@ class TableLoader {
                             row.calibrated_sensor = reference(record, kMount, calibrations_);
                             row.timestamp_us = record.integer(kTime);
                             row.is_key_frame = record.boolean(kKeyFrame);
-                            row.height = static_cast<std::uint16_t>(record.integer(kHeight, 0, UINT16_MAX));
-                            row.width = static_cast<std::uint16_t>(record.integer(kWidth, 0, UINT16_MAX));
+                            row.height = side(record, kHeight);
+                            row.width = side(record, kWidth);
                             keepFilename(record, kFilename, row);
                             remember(poses_of_readings_, record, kPose);
                             remember(previous, record, kPrevious);
@@ -287,7 +292,7 @@ class TableLoader {
                   tables_.annotations, [&](const Record& record, SampleAnnotation& row) {
                     if (isOfOtherScene(record, kSample, samples_)) return false;
                     row.sample = reference(record, kSample, samples_);
-                    if (!record.text(kVisibility).empty())
+                    if (!tables_.visibilities.empty() && !optionalText(record, kVisibility).empty())
                       row.visibility = reference(record, kVisibility, visibilities_);
                     row.attributes = attributesOf(record, kAttributes);
                     row.translation = record.numbers<3>(kTranslation);
@@ -361,8 +366,19 @@ class TableLoader {
     return found;
   }
 
-  /// Counts may be -1 where the dataset does not say.
+  static std::string_view optionalText(const Record& record, std::size_t field) {
+    return record.has(field) ? record.text(field) : std::string_view();
+  }
+
+  /// Of an image, px; other sensors may have none.
+  static std::uint16_t side(const Record& record, std::size_t field) {
+    return record.has(field) ? static_cast<std::uint16_t>(record.integer(field, 0, UINT16_MAX))
+                             : std::uint16_t{0};
+  }
+
+  /// Counts may be -1 or missing where the dataset does not say.
   static int count(const Record& record, std::size_t field) {
+    if (!record.has(field)) return -1;
     return static_cast<int>(record.integer(field, -1, std::numeric_limits<int>::max()));
   }
 

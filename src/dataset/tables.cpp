@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/dataset/tables.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <opencv2/core.hpp>
 #include <tuple>
 
 namespace radar_dot::dataset {
@@ -123,6 +126,32 @@ std::string_view Tables::filename(const SampleData& reading) const noexcept {
 }
 
 std::filesystem::path Tables::path(const SampleData& reading) const { return dataroot_ / filename(reading); }
+
+bool Tables::work(Index scene, const std::function<void()>& on_scene) const {
+  const std::string& name = at(scenes, scene).name;
+  try {
+    on_scene();
+    return true;
+  } catch (const DatasetError& error) {
+    left_out.add(name, error.what());
+  } catch (const cv::Exception& error) {
+    left_out.add(name, error.what());
+  }
+  return false;
+}
+
+void Tables::failWithoutScenes() const {
+  const std::map<std::string, std::string> reasons = left_out.entries();
+  std::string text = fmt::format("{}: no scene", dataroot_.string());
+  for (const Scene& scene : scenes) {
+    const auto reason = reasons.find(scene.name);
+    if (reason == reasons.end()) continue;
+    text = fmt::format("{}: {}", scene.name, reason->second);
+    if (scenes.size() > 1) text += fmt::format("; none of the {} scenes can be used", scenes.size());
+    break;
+  }
+  throw DatasetError(text);
+}
 
 Index Tables::findReading(Token token) const noexcept { return reading_by_token_.find(sample_data, token); }
 

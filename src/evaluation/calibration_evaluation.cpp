@@ -177,7 +177,11 @@ CalibrationData calibrationData(const dataset::Tables& tables, const EgoVelocity
                                 CalibrationReference reference) {
   CalibrationData data;
   for (std::size_t row = 0; row < tables.scenes.size(); ++row) {
-    const RadarScene scene = loadRadarScene(tables, static_cast<dataset::Index>(row), {}, config);
+    std::optional<RadarScene> loaded;
+    const auto scene_row = static_cast<dataset::Index>(row);
+    if (!tables.work(scene_row, [&] { loaded.emplace(loadRadarScene(tables, scene_row, {}, config)); }))
+      continue;
+    const RadarScene& scene = *loaded;
     CalibrationDrive drive;
     for (const LoadedRadar& radar : scene.radars) {
       const std::size_t index = indexOf(radar, tables.scenes[row].name, data);
@@ -186,6 +190,7 @@ CalibrationData calibrationData(const dataset::Tables& tables, const EgoVelocity
     drive.reference = referenceOf(scene, reference);
     if (!drive.scans.empty()) data.drives.push_back(std::move(drive));
   }
+  if (data.radars.empty()) tables.failWithoutScenes();
   for (const CalibratedRadar& radar : data.radars) {
     const auto [name, entry] = entryOf(config, radar.name);
     data.entries.push_back(entry);

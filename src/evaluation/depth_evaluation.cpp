@@ -6,7 +6,6 @@
 
 #include <filesystem>
 
-#include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "report_format.h"
 #include "scene_depths.h"
 
@@ -25,17 +24,26 @@ DepthSource sourceOf(const DepthEvaluationOptions& options) {
 std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
   const std::vector<Index> readings = tables.readingsOf(scene, options.camera);
   const std::string& name = tables.scenes[at(scene)].name;
-  if (readings.empty()) throw NoImages(fmt::format("{}: no readings of {}", name, options.camera));
+  if (readings.empty())
+    throw dataset::DatasetError(fmt::format("{}: no readings of {}", name, options.camera));
+  const std::size_t wanted = options.max_images > 0 ? options.max_images : readings.size();
   std::vector<Index> images;
+  std::size_t missing = 0;
   for (const Index row : readings) {
     const dataset::SampleData& reading = tables.sample_data[at(row)];
-    if (reading.is_key_frame && std::filesystem::exists(tables.path(reading))) images.push_back(row);
+    if (!reading.is_key_frame || images.size() == wanted) continue;
+    if (std::filesystem::exists(tables.path(reading)))
+      images.push_back(row);
+    else
+      ++missing;
   }
   if (images.empty()) {
-    throw NoImages(fmt::format("{}: no keyframe image of {} is under {}", name, options.camera,
-                               tables.dataroot().string()));
+    throw dataset::DatasetError(fmt::format("{}: no keyframe image of {} is under {}", name, options.camera,
+                                            tables.dataroot().string()));
   }
-  if (options.max_images > 0 && images.size() > options.max_images) images.resize(options.max_images);
+  if (missing > 0)
+    tables.left_out.add(fmt::format("{} (keyframe images of {})", name, options.camera),
+                        fmt::format("not on disk: {} of {}", missing, missing + images.size()));
   return images;
 }
 

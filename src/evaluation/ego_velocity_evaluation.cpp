@@ -250,11 +250,6 @@ VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, Index scene,
   const RadarScene loaded =
       loadRadarScene(tables, scene, options.radar_channels,
                      withMountCorrections(options.ego_velocity, options.mount_yaw_corrections));
-  for (const LoadedRadar& radar : loaded.radars) {
-    if (radar.scans.size() < radar.listed) {
-      report.missing_files[radar.channel] = {radar.listed - radar.scans.size(), radar.listed};
-    }
-  }
   const auto start = [&] { return SweepRunner(tables, scene, loaded, options); };
   const SweepVelocities sweeps = sweepVelocities(tables, scene, loaded, options);
   report.sweeps = sweeps.count;

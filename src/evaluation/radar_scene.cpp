@@ -195,25 +195,30 @@ RadarScene loadRadarScene(const Tables& tables, Index scene, const std::vector<s
   requireRadars(tables, scene, config);
   std::vector<LoadedRadar> radars;
   std::size_t scans = 0;
+  std::string missing;
   for (const std::string& channel : radarChannels(tables, scene, channels)) {
     radars.push_back(loadRadar(tables, scene, channel, config));
     radars.back().number = radars.size() - 1;
     scans += radars.back().scans.size();
+    if (const std::size_t lacks = radars.back().listed - radars.back().scans.size(); lacks > 0)
+      missing +=
+          fmt::format("{}{} {} of {}", missing.empty() ? "" : ", ", channel, lacks, radars.back().listed);
     if (!channels.empty() && radars.back().scans.empty()) {
-      throw NoRadarFiles(fmt::format("{}: none of the {} files of {} is under {}",
-                                     tables.scenes[at(scene)].name, radars.back().listed, channel,
-                                     tables.dataroot().string()));
+      throw dataset::DatasetError(fmt::format("{}: none of the {} files of {} is under {}",
+                                              tables.scenes[at(scene)].name, radars.back().listed, channel,
+                                              tables.dataroot().string()));
     }
   }
   const std::string& name = tables.scenes[at(scene)].name;
   if (scans == 0) {
-    throw NoRadarFiles(
+    throw dataset::DatasetError(
         fmt::format("{}: none of its radar files is under {}", name, tables.dataroot().string()));
   }
+  if (!missing.empty()) tables.left_out.add(name + " (radar files)", "not on disk: " + missing);
   PoseTrack truth = loadTruth(tables, scene);
   std::vector<double> times = keyframeTimes(tables, scene, truth);
   return {std::move(radars), std::move(times), tables.samplesOf(scene), std::move(truth),
-          dataset::readCanBus(tables.dataroot(), name).vehicle};
+          dataset::readVehicleInfo(tables.dataroot(), name, tables.left_out)};
 }
 
 }  // namespace radar_dot::evaluation

@@ -102,6 +102,10 @@ const cv::Mat& SceneDepths::imageOf(Index row) {
     const fs::path path = tables_.path(reading(row));
     image = cv::imread(path.string(), cv::IMREAD_COLOR);
     if (image.empty()) throw DatasetError(fmt::format("{}: cannot be read as an image", path.string()));
+    const cv::Size told(reading(row).width, reading(row).height);
+    if (image.size() != told)
+      throw DatasetError(fmt::format("{}: has {}x{} px, not the {}x{} of sample_data.json", path.string(),
+                                     image.cols, image.rows, told.width, told.height));
   }
   return image;
 }

@@ -35,10 +35,13 @@ bool isOnDisk(const dataset::Tables& tables, const ImagePair& pair) {
 std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const PairOptions& options) {
   const std::vector<Index> readings = tables.readingsOf(scene, options.camera);
   const std::string& name = tables.scenes[at(scene)].name;
-  if (readings.empty()) throw NoImages(fmt::format("{}: no readings of {}", name, options.camera));
+  if (readings.empty())
+    throw dataset::DatasetError(fmt::format("{}: no readings of {}", name, options.camera));
   const auto is_key_frame = [&](std::size_t i) { return tables.sample_data[at(readings[i])].is_key_frame; };
+  const std::size_t wanted = options.max_pairs > 0 ? options.max_pairs : readings.size();
   std::vector<ImagePair> found;
-  for (std::size_t i = 0; i + 1 < readings.size(); ++i) {
+  std::size_t missing = 0;
+  for (std::size_t i = 0; i + 1 < readings.size() && found.size() < wanted; ++i) {
     if (!is_key_frame(i)) continue;
     std::size_t next = i + 1;
     if (options.pairs == ImagePairs::kKeyframes) {
@@ -46,13 +49,18 @@ std::vector<ImagePair> pairsOf(const dataset::Tables& tables, Index scene, const
       if (next == readings.size()) break;
     }
     const ImagePair pair{readings[i], readings[next]};
-    if (isOnDisk(tables, pair)) found.push_back(pair);
+    if (isOnDisk(tables, pair))
+      found.push_back(pair);
+    else
+      ++missing;
   }
   if (found.empty()) {
-    throw NoImages(fmt::format("{}: no pair of its {} images is under {}", name, options.camera,
-                               tables.dataroot().string()));
+    throw dataset::DatasetError(fmt::format("{}: no pair of its {} images is under {}", name, options.camera,
+                                            tables.dataroot().string()));
   }
-  if (options.max_pairs > 0 && found.size() > options.max_pairs) found.resize(options.max_pairs);
+  if (missing > 0)
+    tables.left_out.add(fmt::format("{} (pairs of {})", name, options.camera),
+                        fmt::format("not on disk: {} of {}", missing, missing + found.size()));
   return found;
 }
 

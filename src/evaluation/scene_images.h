@@ -21,7 +21,7 @@ struct ImagePair {
 };
 
 /// The pairs of a scene of which both images are on disk, in time order; `max_pairs` of them, 0 = all.
-/// @throws NoImages where there are none
+/// @throws dataset::DatasetError where there are none
 std::vector<ImagePair> pairsOf(const dataset::Tables& tables, dataset::Index scene,
                                const PairOptions& options);
 

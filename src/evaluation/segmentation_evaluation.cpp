@@ -10,6 +10,7 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -35,6 +36,18 @@ MaskPipelineParams pipelineParams(const SegmentationEvaluationOptions& options) 
   MaskPipelineParams params = options.segmentation;
   params.refine_ground = params.refine_ground && options.depth.depth.backend == kRadarGroundBackend;
   return params;
+}
+
+/// What is annotated for other cameras alone says nothing of what moves in this one.
+/// @throws DatasetError
+void requireTruth(const Tables& tables, const std::vector<const dataset::InstanceMask*>& masks,
+                  const std::string& camera) {
+  std::set<std::string> cameras;
+  for (const dataset::InstanceMask* mask : masks)
+    cameras.insert(tables.channelOf(tables.sample_data[at(tables.findReading(mask->sample_data_token))]));
+  if (!cameras.empty() && cameras.count(camera) == 0)
+    throw dataset::DatasetError(fmt::format("{}/nuinsseg.json: has no mask of {}, only of {}",
+                                            tables.version(), camera, fmt::join(cameras, ", ")));
 }
 
 /// Runs one scene.
@@ -260,6 +273,7 @@ SegmentationReport evaluateSegmentation(const Tables& tables, Index scene,
   const std::vector<ImagePair> pairs = pairsOf(tables, scene, options.pairs);
   std::map<dataset::Token, std::vector<const dataset::InstanceMask*>> by_image;
   for (const dataset::InstanceMask* mask : masks) by_image[mask->sample_data_token].push_back(mask);
+  requireTruth(tables, masks, options.pairs.camera);
   SceneRunner runner(tables, scene, options);
   SegmentationReport report;
   report.scene = tables.scenes[at(scene)].name;

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -280,6 +281,24 @@ std::vector<SegmentationReport> mergeJson(const std::vector<std::string>& files)
   std::vector<SegmentationReport> scenes;
   for (const auto& [name, scene] : by_name) scenes.push_back(scene.first);
   return scenes;
+}
+
+std::map<std::string, std::string> mergeLeftOut(const std::vector<std::string>& files) {
+  std::map<std::string, std::string> left_out;
+  std::set<std::string> scenes;
+  for (const std::string& file : files) {
+    const rapidjson::Document document = readResult(file);
+    for (const rapidjson::Value& scene : document["scenes"].GetArray())
+      scenes.insert(scene["scene"].GetString());
+    if (!document.HasMember("left_out")) continue;  // of an older version
+    const auto& entries = memberOf(document, "left_out", &rapidjson::Value::IsObject, "an object", file);
+    for (const auto& entry : entries.GetObject()) {
+      const char* what = entry.name.GetString();
+      left_out[what] = memberOf(entries, what, &rapidjson::Value::IsString, "a text", file).GetString();
+    }
+  }
+  for (const std::string& scene : scenes) left_out.erase(scene);
+  return left_out;
 }
 
 std::optional<Comparison> mergeComparison(const std::vector<std::string>& files) {

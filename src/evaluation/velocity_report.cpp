@@ -96,7 +96,6 @@ void ModelErrors::describe(Figures& figures) {
 
 void VelocityReport::describe(Figures& figures) {
   figures.name(scene);
-  figures.part(missing_files);
   figures.sum("frames", frames);
   figures.sum("refused", refused);
   figures.part(refusals);

@@ -105,14 +105,12 @@ int main(int argc, char** argv) {
     options.noise = config.estimator.noise;
     options.bearing_delay = config.bearing_delay;
     const evaluation::CalibrationData data =
-        options.bags.empty()
-            ? evaluation::calibrationData(evaluator.input.load(), config, ofDataroot(options))
-            : recordedData(options, config);
+        options.bags.empty() ? evaluation::calibrationData(evaluator.load(), config, ofDataroot(options))
+                             : recordedData(options, config);
     options.rate_has_bias = data.rate_has_bias;
     const evaluation::CalibrationReport report = evaluation::calibrate(data, config, options, options.block);
-    evaluator.files.write(
-        command_line.parametersJson(), evaluation::formatJson<evaluation::CalibrationReport>({}, report),
-        evaluation::formatCsv<evaluation::CalibrationReport>({}, report), formatTable(report));
+    evaluator.write(evaluation::formatJson<evaluation::CalibrationReport>({}, report),
+                    evaluation::formatCsv<evaluation::CalibrationReport>({}, report), formatTable(report));
     outputs.write(report, config.base_frame);
   });
 }

@@ -294,6 +294,9 @@ int CommandLine::run(const std::string& interrupted, const std::function<void()>
   } catch (const Interrupted& interrupt) {
     fmt::print(stderr, "{}: interrupted; {}\n", tool_, interrupted);
     return kSignalBase + interrupt.signal;
+  } catch (const DoneInPart& part) {
+    fmt::print(stderr, "{}: {}\n", tool_, part.what());
+    return kInPart;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", tool_, error.what());
     return EXIT_FAILURE;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,12 @@
 namespace radar_dot::tools {
 
 constexpr int kUsageError = 2;  ///< exit code
+constexpr int kInPart = 3;      ///< exit code: done, but for what was left out
+
+/// To be thrown at the end of work that was done but for something, which must have been listed.
+struct DoneInPart : std::runtime_error {
+  using runtime_error::runtime_error;
+};
 
 /// Which fields become options.
 using FieldFilter = std::function<bool(const Field&)>;
@@ -64,6 +71,8 @@ class CommandLine {
                const std::function<bool()>& condition = {});
   /// Two options that do not go together; a flag that is off goes with everything.
   void exclude(const std::string& one, const std::string& other);
+  /// The work may end with DoneInPart, for what is named in the help.
+  void leavesOut(const std::string& what) { left_out_ = what; }
 
   /// Sets the fields: first from the files of --config in their order, then from the command line.
   /// @return the exit code where the tool is not to run: 0 after --help, kUsageError after a refusal, which
@@ -134,6 +143,7 @@ class CommandLine {
   std::vector<Option> options_;
   /// What is offered of each section, and at last of none, without outputs.
   std::vector<Section> offered_ = {{"options", "", {}}};
+  std::string left_out_;  ///< what may be, in the help
   std::vector<Requirement> requirements_;
   std::vector<std::pair<std::string, std::string>> exclusions_;
   std::map<const void*, std::string> given_;  ///< by member: place in a file; empty: the command line

@@ -1,5 +1,7 @@
 // Copyright (c) 2026, the Radar-Dot developers
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 
@@ -120,6 +122,13 @@ std::string CommandLine::help() const {
   for (const auto& [title, options] : grouped(options_, title_of)) {
     text += "\n" + title + ":\n";
     for (const Option* option : options) text += helpOf(*option);
+  }
+  if (!left_out_.empty()) {
+    text += "\n" + wrapped("",
+                           fmt::format("Exit code: 0 done; 1 failed; {} wrong usage; {} done but for {}, "
+                                       "which is left out and listed with the reasons.",
+                                       kUsageError, kInPart, left_out_),
+                           "", kWidth);
   }
   if (!examples_.empty()) text += "\nExamples:\n";
   for (const std::string& example : examples_) text += "  " + example + "\n";

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluator.h"
 #include "radar_dot/evaluation/depth_evaluation.h"
-#include "radar_dot/evaluation/segmentation_evaluation.h"
 
 namespace {
 
@@ -27,8 +26,7 @@ int main(int argc, char** argv) {
     options.depth = evaluator.configuration.depth;
     validate(options);
     evaluation::checkBackend(options.depth.depth);
-    const auto [scenes, overall] = evaluator.scenes<evaluation::NoImages>(
-        "images",
+    const auto [scenes, overall] = evaluator.scenes(
         [&options](const auto& tables, auto scene) { return evaluateDepth(tables, scene, options); });
     if (overall.images == 0) {
       throw std::runtime_error(fmt::format(

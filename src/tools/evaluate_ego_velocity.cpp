@@ -24,15 +24,10 @@ int main(int argc, char** argv) {
     evaluation::VelocityEvaluationOptions& options = evaluator.options;
     options.ego_velocity = evaluator.configuration.ego_velocity;
     validate(options);
-    const auto [scenes, overall] = evaluator.scenes<evaluation::NoRadarFiles>(
-        "radar files",
+    const auto [scenes, overall] = evaluator.scenes(
         [&options](const auto& tables, auto scene) { return evaluateEgoVelocity(tables, scene, options); });
-    for (const auto& [channel, counts] : overall.missing_files) {
-      fmt::print(stderr, "{}: warning: {}: {} of {} files are not on disk; evaluated the others\n",
-                 evaluator.name, channel, counts.first, counts.second);
-    }
     if (overall.frames == 0)
-      fmt::print(stderr, "{}: warning: no pair of keyframes to compare with the poses\n", evaluator.name);
+      fmt::print(stderr, "evaluate_ego_velocity: warning: no pair of keyframes to compare with the poses\n");
     evaluator.write(scenes, overall);
   });
 }

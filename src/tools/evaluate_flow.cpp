@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluator.h"
 #include "radar_dot/evaluation/flow_evaluation.h"
-#include "radar_dot/evaluation/segmentation_evaluation.h"
 
 namespace {
 
@@ -70,8 +69,7 @@ int main(int argc, char** argv) {
     evaluation::checkBackend(options.optical_flow.flow);
     if (options.optical_flow.flow.initialisation == radar_dot::FlowStart::kExpected)
       evaluation::checkBackend(options.depth.depth);
-    const auto [scenes, overall] = evaluator.scenes<evaluation::NoImages>(
-        "images",
+    const auto [scenes, overall] = evaluator.scenes(
         [&options](const auto& tables, auto scene) { return evaluateFlow(tables, scene, options); });
     evaluator.write(scenes, overall);
   });

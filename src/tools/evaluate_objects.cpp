@@ -35,8 +35,7 @@ int main(int argc, char** argv) {
     options.depth = configuration.depth;
     validate(options);
     if (!options.masks.directory.empty()) evaluation::checkBackend(options.depth.depth);
-    const auto [scenes, overall] = evaluator.scenes<evaluation::NoRadarFiles>(
-        "radar files",
+    const auto [scenes, overall] = evaluator.scenes(
         [&options](const auto& tables, auto scene) { return evaluateObjects(tables, scene, options); });
     evaluator.write(scenes, overall);
   });

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <utility>
 
+#include "common/replace_file.h"
 #include "evaluation/segmentation_results.h"
 #include "evaluator.h"
 #include "progress_bar.h"
@@ -78,9 +79,9 @@ class Progress {
 };
 
 std::vector<tools::SceneReports<SegmentationReport>> evaluateVariants(
-    const Evaluator& evaluator, const std::vector<evaluation::SegmentationEvaluationOptions>& variants) {
+    Evaluator& evaluator, const std::vector<evaluation::SegmentationEvaluationOptions>& variants) {
   const tools::SceneInput& input = evaluator.input;
-  dataset::Tables tables = input.load();
+  dataset::Tables tables = evaluator.load();
   if (!dataset::hasInstanceMasks(tables)) {
     throw std::runtime_error(
         fmt::format("{}/{}/nuinsseg.json: is not there; get nuInsSeg for the masks of nuScenes, or simulate "
@@ -90,10 +91,9 @@ std::vector<tools::SceneReports<SegmentationReport>> evaluateVariants(
   const std::vector<dataset::InstanceMask> masks = dataset::readInstanceMasks(tables);
   const auto by_scene = dataset::byScene(tables, masks);
   Progress progress(tables.scenes.size() * variants.size());
-  return tools::evaluateScenes<SegmentationReport, evaluation::NoImages>(
-      {evaluator.name.c_str(), !input.scenes.empty(), "images", variants.size(),
-       static_cast<std::size_t>(evaluator.options.jobs)},
-      tables, [&](dataset::Index scene, std::size_t variant) {
+  return tools::evaluateScenes<SegmentationReport>(
+      tables, variants.size(), static_cast<std::size_t>(evaluator.options.jobs),
+      [&](dataset::Index scene, std::size_t variant) {
         const auto row = static_cast<std::size_t>(scene);
         return evaluateSegmentation(tables, scene, by_scene[row], variants[variant],
                                     [&](std::size_t done, std::size_t all) {
@@ -102,7 +102,7 @@ std::vector<tools::SceneReports<SegmentationReport>> evaluateVariants(
       });
 }
 
-Results evaluateAll(const Evaluator& evaluator) {
+Results evaluateAll(Evaluator& evaluator) {
   const evaluation::SegmentationEvaluationOptions& options = evaluator.options.evaluation;
   const bool compare_loop = evaluator.options.compare_loop;
   require(!compare_loop || options.velocity != evaluation::VelocitySource::kGroundTruth, fieldsOf(options),
@@ -122,7 +122,10 @@ Results evaluateAll(const Evaluator& evaluator) {
   evaluation::checkBackend(options.depth.depth);
   evaluation::checkBackend(options.optical_flow.flow);
   for (const evaluation::SegmentationEvaluationOptions& variant : variants)
-    if (!variant.mask_directory.empty()) std::filesystem::create_directories(variant.mask_directory);
+    if (!variant.mask_directory.empty()) {
+      std::filesystem::create_directories(variant.mask_directory);
+      radar_dot::requireReplaceable(variant.mask_directory + "/mask.png");
+    }
   const std::vector<tools::SceneReports<SegmentationReport>> reports = evaluateVariants(evaluator, variants);
   results.scenes = reports[own].scenes;
   results.overall = reports[own].overall;
@@ -133,9 +136,10 @@ Results evaluateAll(const Evaluator& evaluator) {
   return results;
 }
 
-Results merge(const std::vector<std::string>& files) {
+Results merge(const std::vector<std::string>& files, const dataset::LeftOut& left_out) {
   Results results{evaluation::mergeJson(files), {}, evaluation::mergeComparison(files)};
   for (const SegmentationReport& scene : results.scenes) results.overall += scene;
+  for (const auto& [what, why] : evaluation::mergeLeftOut(files)) left_out.add(what, why);
   return results;
 }
 
@@ -143,9 +147,8 @@ void write(const Evaluator& evaluator, const Results& results) {
   const auto& [scenes, overall, comparison] = results;
   if (!comparison) return evaluator.write(scenes, overall);
   const bool is_loop = comparison->variants == evaluation::Variants::kLoop;
-  evaluator.files.write(evaluator.command_line.parametersJson(), formatJson(scenes, overall, *comparison),
-                        formatCsv(scenes, overall),
-                        (is_loop ? formatTable(scenes, overall) + "\n" : "") + formatTable(*comparison));
+  evaluator.write(formatJson(scenes, overall, *comparison), formatCsv(scenes, overall),
+                  (is_loop ? formatTable(scenes, overall) + "\n" : "") + formatTable(*comparison));
 }
 
 /// @return the name of one of the options
@@ -194,7 +197,7 @@ int main(int argc, char** argv) {
       configuration.optical_flow = options.optical_flow;
       configuration.dynamic_segmentation = options.segmentation;
     }
-    write(evaluator,
-          evaluator.options.merge.empty() ? evaluateAll(evaluator) : merge(evaluator.options.merge));
+    write(evaluator, evaluator.options.merge.empty() ? evaluateAll(evaluator)
+                                                     : merge(evaluator.options.merge, evaluator.left_out));
   });
 }

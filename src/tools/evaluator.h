@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "command_line.h"
+#include "parameter_document.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/dataset/tables.h"
 #include "result_files.h"
@@ -33,12 +37,6 @@ struct SceneInput {
     fields.add("version", version, "Folder of the tables in it; v1.0-sim for simulated ones");
     fields.add("scenes", scenes, "Scenes to evaluate, e.g. scene-0061,scene-0103; empty: all");
   }
-  dataset::Tables load() const {
-    dataset::LoadOptions options;
-    options.version = version;
-    options.scenes = scenes;
-    return dataset::Tables::load(dataroot, options);
-  }
 };
 
 /// The name of the field that stands for a member.
@@ -60,14 +58,15 @@ struct Evaluator {
   SceneInput input;
   Options options;
   ResultFiles files;
-  std::string name;
   CommandLine command_line;
+  dataset::LeftOut left_out;
 
   Evaluator(const std::string& tool, const std::string& purpose, const std::vector<std::string>& examples,
             const std::string& version = SceneInput().version)
-      : name(tool), command_line(tool, purpose, examples) {
+      : command_line(tool, purpose, examples) {
     letWaitingThreadsSleep();
     input.version = version;
+    command_line.leavesOut("what is missing or broken in the dataroot");
     command_line.setSections(sectionsOf(configuration));
     command_line.add("", fieldsOf(input));
     command_line.add("", fieldsOf(options));
@@ -87,24 +86,41 @@ struct Evaluator {
     return command_line.run("no results are written", [&] {
       files.check();
       evaluate();
+      if (!left_out.entries().empty())
+        throw DoneInPart("done in part: see what is left out, below the table");
     });
   }
 
+  /// The tables of the scenes, which know what is left out of the result.
+  dataset::Tables load() {
+    dataset::LoadOptions load;
+    load.version = input.version;
+    load.scenes = input.scenes;
+    dataset::Tables tables = dataset::Tables::load(input.dataroot, load);
+    left_out = tables.left_out;
+    return tables;
+  }
+
   /// Evaluates all scenes by evaluate(tables, row of the scene) -> Report, see scene_loop.h.
-  template <typename Missing, typename Evaluate>
-  auto scenes(const char* what, const Evaluate& evaluate) const {
+  template <typename Evaluate>
+  auto scenes(const Evaluate& evaluate) {
     using Report = decltype(evaluate(std::declval<const dataset::Tables&>(), dataset::Index()));
-    const dataset::Tables tables = input.load();
-    return evaluateScenes<Report, Missing>(
-               {name.c_str(), !input.scenes.empty(), what, 1, 1}, tables,
-               [&](dataset::Index scene, std::size_t) { return evaluate(tables, scene); })
+    const dataset::Tables tables = load();
+    return evaluateScenes<Report>(tables, 1, 1,
+                                  [&](dataset::Index scene, std::size_t) { return evaluate(tables, scene); })
         .front();
   }
 
   template <typename Report>
   void write(const std::vector<Report>& scenes, const Report& overall) const {
-    files.write(command_line.parametersJson(), formatJson(scenes, overall), formatCsv(scenes, overall),
-                formatTable(scenes, overall));
+    write(formatJson(scenes, overall), formatCsv(scenes, overall), formatTable(scenes, overall));
+  }
+  /// With what was left out: below the table, and as "left_out" in JSON, by what it is.
+  void write(const std::string& json, const std::string& csv, std::string table) const {
+    const std::map<std::string, std::string> entries = left_out.entries();
+    if (!entries.empty()) table += "\nLeft out:\n";
+    for (const auto& [what, why] : entries) table += fmt::format("  {}: {}\n", what, why);
+    files.write(command_line.parametersJson(), withLeftOut(json, entries), csv, table);
   }
 };
 

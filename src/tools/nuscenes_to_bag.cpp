@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,10 @@ using radar_dot::bag::ConvertSummary;
 using radar_dot::bag::FileCount;
 using radar_dot::dataset::Index;
 using radar_dot::dataset::InstanceMask;
+using radar_dot::dataset::LeftOut;
 using radar_dot::dataset::LoadOptions;
 using radar_dot::dataset::Tables;
+using radar_dot::tools::DoneInPart;
 using radar_dot::tools::SignalWatch;
 
 struct Arguments {
@@ -49,14 +52,17 @@ struct Arguments {
     fields.add("output", output, "Folder for the bags");
     fields.add("compression", convert.compression, "Compression of the bags");
     fields.add("masks", masks, "Write the ground-truth dynamic masks, where there are any");
-    fields.add("force", convert.overwrite, "Overwrite bags that exist");
+    fields.add("force", convert.overwrite,
+               "Convert again where there is a bag; otherwise a complete one stays");
     fields.add("quiet", quiet, "Print warnings and errors only");
   }
 };
 
 void printSummary(const ConvertSummary& summary, double seconds) {
-  std::string line = fmt::format("{}  {} messages  {:.1f} MB", summary.file.string(), summary.messages,
-                                 1e-6 * static_cast<double>(summary.bag_bytes));
+  std::string line =
+      fmt::format("{}  {} messages  ", summary.file.string(), summary.messages) +
+      (summary.existed ? "were there already"
+                       : fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(summary.bag_bytes)));
   if (summary.radar_files > 0) {
     line += fmt::format("  {:.0f} radar files/s", static_cast<double>(summary.radar_files) / seconds);
   }
@@ -64,16 +70,28 @@ void printSummary(const ConvertSummary& summary, double seconds) {
   std::fflush(stdout);
 }
 
-void warnOfMissingFiles(const std::map<std::string, FileCount>& missing) {
-  for (const auto& [channel, count] : missing) {
-    const std::string line = count.missing < count.listed
-                                 ? fmt::format("{}: {} of {} files are not on disk; converted the others",
-                                               channel, count.missing, count.listed)
-                                 : fmt::format("{}: none of the {} files is on disk; converted without them",
-                                               channel, count.listed);
-    std::fputs((line + "\n").c_str(), stderr);
-  }
+/// Of one scene.
+std::string textOf(const std::map<std::string, FileCount>& missing) {
+  std::string text;
+  for (const auto& [channel, count] : missing)
+    text += fmt::format("{}{} {} of {}", text.empty() ? "not on disk: " : ", ", channel, count.missing,
+                        count.listed);
+  return text;
 }
+
+/// Prints what is left out once it is known.
+class Warnings {
+ public:
+  explicit Warnings(const LeftOut& left_out) : left_out_(left_out) {}
+  void print() {
+    for (const auto& [what, why] : left_out_.entries())
+      if (printed_.insert(what).second) fmt::print(stderr, "nuscenes_to_bag: left out: {}: {}\n", what, why);
+  }
+
+ private:
+  const LeftOut& left_out_;
+  std::set<std::string> printed_;
+};
 
 ConvertSummary convert(const Tables& tables, Index scene, const Arguments& arguments) {
   const SignalWatch signals;
@@ -94,18 +112,28 @@ void run(Arguments& arguments) {
     arguments.convert.masks = &masks;
   }
 
-  std::map<std::string, FileCount> missing;
-  for (std::size_t scene = 0; scene < tables.scenes.size(); ++scene) {
-    const auto start = std::chrono::steady_clock::now();
-    const ConvertSummary summary = convert(tables, static_cast<Index>(scene), arguments);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    if (!arguments.quiet) printSummary(summary, elapsed.count());
-    for (const auto& [channel, count] : summary.missing) {
-      missing[channel].missing += count.missing;
-      missing[channel].listed += count.listed;
-    }
+  Warnings warnings(tables.left_out);
+  std::size_t written = 0;
+  std::size_t existed = 0;
+  for (Index scene = 0; static_cast<std::size_t>(scene) < tables.scenes.size(); ++scene) {
+    warnings.print();
+    tables.work(scene, [&] {
+      const auto start = std::chrono::steady_clock::now();
+      const ConvertSummary summary = convert(tables, scene, arguments);
+      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+      ++(summary.existed ? existed : written);
+      if (!arguments.quiet) printSummary(summary, elapsed.count());
+      if (!summary.missing.empty())
+        tables.left_out.add(at(tables.scenes, scene).name + " (sensor files)", textOf(summary.missing));
+    });
   }
-  warnOfMissingFiles(missing);
+  if (written + existed == 0) tables.failWithoutScenes();
+  warnings.print();
+  if (!arguments.quiet)
+    std::puts(fmt::format("{} scenes, their bags: {} written, {} complete before, {} missing",
+                          tables.scenes.size(), written, existed, tables.scenes.size() - written - existed)
+                  .c_str());
+  if (!tables.left_out.entries().empty()) throw DoneInPart("done in part: see what is left out, above");
 }
 
 }  // namespace
@@ -124,6 +152,7 @@ int main(int argc, char** argv) {
   command_line.add("", radar_dot::fieldsOf(arguments));
   command_line.require("dataroot");
   command_line.exclude("all", "scenes");
+  command_line.leavesOut("what is missing or broken in the dataroot");
   if (const std::optional<int> exit_code = command_line.parse(argc, argv)) return *exit_code;
   return command_line.run("the scene it was at has no bag", [&arguments] { run(arguments); });
 }

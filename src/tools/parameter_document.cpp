@@ -207,6 +207,18 @@ void writeMembers(JsonWriter& writer, const FieldList& fields) {
   writer.EndObject();
 }
 
+/// A report with another member in front.
+std::string withMember(const std::string& report, const std::string& key, const std::string& value) {
+  const std::size_t begin = report.find('{') + 1;
+  std::string member = "\n    \"" + key + "\": ";
+  for (const char c : value) {
+    member += c;
+    if (c == '\n') member += "    ";  // strings hold no line break as such
+  }
+  const bool is_empty = report[report.find_first_not_of(" \n", begin)] == '}';
+  return report.substr(0, begin) + member + (is_empty ? "\n" : ",") + report.substr(begin);
+}
+
 }  // namespace
 
 std::string parametersYaml(const std::vector<Section>& sections) {
@@ -266,14 +278,19 @@ std::string parametersJson(const std::string& tool, const std::vector<Section>& 
 }
 
 std::string withParameters(const std::string& report, const std::string& parameters) {
-  const std::size_t begin = report.find('{') + 1;
-  std::string member = "\n    \"parameters\": ";
-  for (const char c : parameters) {
-    member += c;
-    if (c == '\n') member += "    ";  // strings hold no line break as such
+  return withMember(report, "parameters", parameters);
+}
+
+std::string withLeftOut(const std::string& report, const std::map<std::string, std::string>& left_out) {
+  rapidjson::StringBuffer buffer;
+  JsonWriter writer(buffer);
+  writer.StartObject();
+  for (const auto& [what, why] : left_out) {
+    writer.Key(what.c_str());
+    writer.String(why.c_str());
   }
-  const bool is_empty = report[report.find_first_not_of(" \n", begin)] == '}';
-  return report.substr(0, begin) + member + (is_empty ? "\n" : ",") + report.substr(begin);
+  writer.EndObject();
+  return withMember(report, "left_out", {buffer.GetString(), buffer.GetSize()});
 }
 
 }  // namespace radar_dot::tools

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -22,5 +23,7 @@ std::string parametersJson(const std::string& tool, const std::vector<Section>& 
 
 /// A report of an evaluator, a JSON object, with a member "parameters" in front: what parametersJson() gave.
 std::string withParameters(const std::string& report, const std::string& parameters);
+/// The same with "left_out": {what: why, ...}.
+std::string withLeftOut(const std::string& report, const std::map<std::string, std::string>& left_out);
 
 }  // namespace radar_dot::tools

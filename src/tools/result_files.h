@@ -14,10 +14,12 @@ struct ResultFiles {
 
   void describe(FieldList& fields);
 
-  /// To be called before the work. @throws InvalidParameter where both name one file.
+  /// To be called before the work. @throws InvalidParameter where both name one file, std::runtime_error
+  /// naming one that cannot be written.
   void check() const;
 
-  /// A failure leaves the old file, or none. Links are followed; devices and pipes are written to directly.
+  /// The table comes first, and nothing that fails keeps the rest from being written. A failure leaves the
+  /// old file, or none. Links are followed; devices and pipes are written to directly.
   /// @param parameters  see CommandLine::parametersJson
   /// @throws std::runtime_error naming the file, or standard output, that cannot be written.
   void write(const std::string& parameters, const std::string& json_text, const std::string& csv_text,

@@ -3,6 +3,7 @@
 //
 // The command-line tool as its user sees it.
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -18,6 +19,7 @@
 
 #include "bag/bag_reading.h"
 #include "fixtures/nuscenes_fixture.h"
+#include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::bag {
 namespace {
@@ -96,10 +98,12 @@ class NuscenesToBag : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(NuscenesToBag, ConvertsAllScenesWithALineEach) {
+TEST_F(NuscenesToBag, ConvertsAllScenesWithALineEachAndASummary) {
   const Outcome outcome = run(arguments());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-  EXPECT_EQ(linesOf(outcome.output), 2) << outcome.output;
+  EXPECT_EQ(linesOf(outcome.output), 3) << outcome.output;
+  EXPECT_NE(outcome.output.find("2 scenes, their bags: 2 written, 0 complete before, 0 missing"),
+            std::string::npos);
   EXPECT_EQ(outcome.errors, "");
   for (const char* scene : {NuscenesFixture::kStraightScene, NuscenesFixture::kTurningScene}) {
     test::BagReader bag(output() / (std::string(scene) + ".bag"));
@@ -122,15 +126,72 @@ TEST_F(NuscenesToBag, OptionsChooseScenesChannelsMasksAndCompression) {
   EXPECT_EQ(counts.count("/ground_truth/dynamic_mask/compressed"), 0U);
 }
 
-TEST_F(NuscenesToBag, WarnsOncePerChannelOfMissingFiles) {
-  fs::remove_all(fixture_.dataroot() / "samples/CAM_FRONT");
-  fs::remove_all(fixture_.dataroot() / "sweeps/RADAR_FRONT");
+/// Removes the sensor files of a scene, of one channel or all. @return how many
+std::size_t removeFiles(const NuscenesFixture& fixture, const char* scene, const std::string& channel = "") {
+  const dataset::Tables tables = dataset::Tables::load(fixture.dataroot());
+  std::size_t removed = 0;
+  for (const dataset::SampleData& row : tables.sample_data)
+    if (at(tables.samples, row.sample).scene == tables.findScene(scene) &&
+        (channel.empty() || tables.channelOf(row) == channel))
+      removed += fs::remove(tables.path(row)) ? 1 : 0;
+  return removed;
+}
+
+TEST_F(NuscenesToBag, WarnsOncePerSceneOfMissingFiles) {
+  const std::size_t radar = removeFiles(fixture_, "scene-0001", "RADAR_FRONT");
+  removeFiles(fixture_, "scene-0001", "CAM_FRONT");
   const Outcome outcome = run(arguments());
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-  EXPECT_EQ(linesOf(outcome.errors), 2) << outcome.errors;
-  EXPECT_NE(outcome.errors.find("CAM_FRONT: none of the 8 files is on disk"), std::string::npos)
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("left out: scene-0001 (sensor files): not on disk: CAM_FRONT 4 of 4"),
+            std::string::npos)
       << outcome.errors;
-  EXPECT_NE(outcome.errors.find("files are not on disk; converted the others"), std::string::npos);
+  EXPECT_NE(outcome.errors.find(fmt::format("RADAR_FRONT {0} of {0}", radar)), std::string::npos)
+      << outcome.errors;
+  EXPECT_TRUE(fs::exists(output() / "scene-0001.bag"));
+}
+
+// A second run does what the first could not, and nothing else.
+TEST_F(NuscenesToBag, ResumesWithPartOfTheDatasetOnDisk) {
+  const NuscenesFixture whole;
+  removeFiles(fixture_, "scene-0001");
+  const Outcome first = run(arguments());
+  EXPECT_EQ(first.exit_code, 3) << first.errors;
+  EXPECT_NE(first.errors.find("left out: scene-0001: none of its "), std::string::npos) << first.errors;
+  EXPECT_NE(first.output.find("2 scenes, their bags: 1 written, 0 complete before, 1 missing"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(output() / "scene-0001.bag"));
+  const auto written = fs::last_write_time(output() / "scene-0002.bag");
+
+  fs::copy(whole.dataroot(), fixture_.dataroot(),
+           fs::copy_options::recursive | fs::copy_options::skip_existing);
+  test::writeFile(output() / "scene-0001.bag.partial-1", "what a killed run leaves");
+  const Outcome second = run(arguments());
+  EXPECT_EQ(second.exit_code, 0) << second.errors;
+  EXPECT_NE(second.output.find("2 scenes, their bags: 1 written, 1 complete before, 0 missing"),
+            std::string::npos);
+  EXPECT_EQ(fs::last_write_time(output() / "scene-0002.bag"), written);
+  const auto counts = test::BagReader(output() / "scene-0001.bag").counts();
+  EXPECT_EQ(counts.at("/cam_front/image/compressed"), 4U);
+
+  const auto bytes = fs::file_size(output() / "scene-0002.bag");
+  ASSERT_EQ(run(arguments({"--channels", "RADAR_FRONT", "--force"})).exit_code, 0);
+  EXPECT_LT(fs::file_size(output() / "scene-0002.bag"), bytes);
+  const Outcome less = run(arguments({"--scenes", "scene-0002"}));
+  EXPECT_EQ(less.exit_code, 1);
+  EXPECT_NE(less.errors.find("sensor files that are on disk now"), std::string::npos) << less.errors;
+}
+
+TEST_F(NuscenesToBag, ABrokenFileCostsItsSceneAlone) {
+  const dataset::Tables tables = dataset::Tables::load(fixture_.dataroot());
+  const fs::path broken = tables.path(at(tables.sample_data, tables.readingsOf(0, "CAM_FRONT")[2]));
+  test::writeFile(broken, "<html>404 Not Found</html>");
+  const Outcome outcome = run(arguments());
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.errors;
+  EXPECT_NE(outcome.errors.find("left out: scene-0001: " + broken.string() + ": is neither a JPEG nor a PNG"),
+            std::string::npos)
+      << outcome.errors;
+  EXPECT_FALSE(fs::exists(output() / "scene-0001.bag"));
+  EXPECT_TRUE(fs::exists(output() / "scene-0002.bag"));
 }
 
 TEST_F(NuscenesToBag, BadInputGetsOneLine) {
@@ -151,7 +212,10 @@ TEST_F(NuscenesToBag, WrongUsageIsToldApart) {
 
 TEST_F(NuscenesToBag, RefusesToOverwriteUnlessForced) {
   test::writeFile(output() / "scene-0001.bag", "precious");
-  expectRefusal(arguments(), 1, {"scene-0001.bag exists already", "--force"});
+  const Outcome outcome = run(arguments());
+  EXPECT_EQ(outcome.exit_code, 3);
+  for (const char* part : {"scene-0001.bag exists already and is no complete bag", "--force"})
+    EXPECT_NE(outcome.errors.find(part), std::string::npos) << outcome.errors;
   EXPECT_EQ(test::readFile(output() / "scene-0001.bag"), "precious");
   EXPECT_EQ(run(arguments({"--force"})).exit_code, 0);
   EXPECT_GT(fs::file_size(output() / "scene-0001.bag"), 1000U);

@@ -69,6 +69,18 @@ TEST_F(SceneConverterLimits, MasksComeWithIntrinsicsEvenWithoutTheImage) {
   EXPECT_EQ(counts.at("/cam_front/camera_info"), countOf("CAM_FRONT"));
 }
 
+// The images of the fixture under another name.
+TEST_F(SceneConverterLimits, MasksOfOtherCamerasHaveTopicsOfTheirOwn) {
+  test::replaceInFile(fixture_.table("sensor"), "CAM_FRONT", "CAM_BACK");
+  tables_ = Tables::load(fixture_.dataroot());
+  const std::vector<dataset::InstanceMask> masks = readInstanceMasks(tables_);
+  ConvertOptions options;
+  options.masks = &masks;
+  const auto counts = BagReader(convert(options).file).counts();
+  EXPECT_EQ(counts.at("/ground_truth/cam_back/dynamic_mask/compressed"), countOf("CAM_BACK"));
+  EXPECT_EQ(counts.count("/ground_truth/dynamic_mask/compressed"), 0U);
+}
+
 TEST_F(SceneConverterLimits, ConvertsOnlyTheChosenChannels) {
   const std::vector<dataset::InstanceMask> masks = readInstanceMasks(tables_);
   ConvertOptions options;
@@ -123,10 +135,17 @@ TEST_F(SceneConverterLimits, OverwritesOnlyWhenAsked) {
 }
 
 TEST_F(SceneConverterLimits, LeavesNothingAfterABadFile) {
-  const fs::path bad = fileOf("RADAR_FRONT", countOf("RADAR_FRONT") - 1);
-  test::writeFile(bad, "no point cloud");
-  test::expectRefusal<dataset::DatasetError>([this] { convert(); }, {bad.string()});
-  EXPECT_TRUE(fs::is_empty(folder_.path()));
+  for (const auto& [channel, content] : {std::pair("RADAR_FRONT", "no point cloud"),
+                                         {"CAM_FRONT", ""},
+                                         {"CAM_FRONT", "version https://git-lfs"},
+                                         {"LIDAR_TOP", "twenty bytes of text"}}) {
+    const fs::path bad = fileOf(channel, 0);
+    const std::string good = test::readFile(bad);
+    test::writeFile(bad, content);
+    test::expectRefusal<dataset::DatasetError>([this] { convert(); }, {bad.string()});
+    EXPECT_TRUE(fs::is_empty(folder_.path()));
+    test::writeFile(bad, good);
+  }
 }
 
 TEST_F(SceneConverterLimits, LeavesNothingWhenInterrupted) {

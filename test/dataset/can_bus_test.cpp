@@ -87,6 +87,30 @@ TEST_F(CanBusTest, RecordsAreSortedByTime) {
   }
 }
 
+// Python writes NaN and Infinity as such. Of six rows those with the times 10 and 60 are sound.
+TEST_F(CanBusTest, RowsWithoutAValueAreLeftOutAndCounted) {
+  const auto row = [](int time, const char* wheel) {
+    return "{\"utime\": " + std::to_string(time) + ", \"FL_wheel_speed\": 1, \"FR_wheel_speed\": 2, " +
+           "\"RL_wheel_speed\": " + wheel +
+           ", \"RR_wheel_speed\": 4, \"odom_speed\": 5, \"steer_corrected\": 6}";
+  };
+  test::writeFile(file("zoe_veh_info"), "[" + row(60, "7") + ", " + row(20, "NaN") + ", " +
+                                            row(30, "-Infinity") + ", " + row(40, "null") + ", " +
+                                            row(10, "3") + ", " + row(10, "9") + "]");
+  const LeftOut left_out;
+  const CanBus can_bus = readCanBus(fixture_.dataroot(), "scene-0002", left_out);
+  ASSERT_EQ(can_bus.vehicle.size(), 2U);
+  EXPECT_EQ(can_bus.vehicle[0].timestamp_us, 10);
+  EXPECT_EQ(can_bus.vehicle[0].rear_left_rpm, 3.0);
+  EXPECT_EQ(can_bus.vehicle[1].timestamp_us, 60);
+  const auto entries = left_out.entries();
+  ASSERT_EQ(entries.size(), 1U) << "the other parts are sound";
+  const auto& [what, why] = *entries.begin();
+  EXPECT_EQ(what, "can_bus/scene-0002_zoe_veh_info.json");
+  EXPECT_EQ(why.rfind("4 of 6 rows, the first because: ", 0), 0U) << why;
+  EXPECT_NE(why.find("record 1: field 'RL_wheel_speed' must be finite but is nan"), std::string::npos) << why;
+}
+
 TEST_F(CanBusTest, ErrorsNameFileRecordAndField) {
   const auto read = [&] { readCanBus(fixture_.dataroot(), "scene-0002"); };
   test::replaceInFile(file("zoe_veh_info"), "RL_wheel_speed", "rear_left");

@@ -149,6 +149,13 @@ class InstanceMaskFiles : public ::testing::Test {
     test::expectRefusal<DatasetError>([&] { read(mask); },
                                       {"other.json record 0 (token ", "field 'instance_mask'", complaint});
   }
+  /// Of all readings.
+  void setImageSize(std::uint16_t rows, std::uint16_t columns) {
+    for (SampleData& reading : tables_.sample_data) {
+      reading.height = rows;
+      reading.width = columns;
+    }
+  }
   NuscenesFixture fixture_{test::FixtureOptions::tablesOnly()};
   Tables tables_ = Tables::load(fixture_.dataroot());
 };
@@ -192,15 +199,43 @@ TEST_F(InstanceMaskFiles, RidersMoveAndEveryMovingAttributeCounts) {
 
 TEST_F(InstanceMaskFiles, EveryFormOfAMaskIsRead) {
   const auto area = [&](const std::string& mask) { return cv::countNonZero(decodeMask(read(mask).at(0))); };
+  EXPECT_EQ(area("[[10, 20, 30.4, 20, 30, 40, 10, 39.6], [50, 60, 51, 60, 51, 61]]"), 21 * 21 + 3);
+  EXPECT_EQ(area("[[10, 20, 30.4, 20, 30, 40, 10, 39.6], [50, 60, 51, 60], []]"), 21 * 21);
+  EXPECT_EQ(area(R"({"size": [900, 1600], "counts": "PXn[1"})"), 0);
+  setImageSize(3, 4);
   EXPECT_EQ(area(R"({"size": [3, 4], "counts": "327"})"), 2);
   EXPECT_EQ(area(R"({"counts": [3, 2, 7], "size": [3, 4]})"), 2);
   EXPECT_EQ(area(R"([{"size": [3, 4], "counts": "327"}, {"size": [3, 4], "counts": [4, 2, 6]}])"), 3);
-  EXPECT_EQ(area("[[10, 20, 30.4, 20, 30, 40, 10, 39.6], [50, 60, 51, 60, 51, 61]]"), 21 * 21 + 3);
-  EXPECT_EQ(area(R"({"size": [900, 1600], "counts": "PXn[1"})"), 0);
-  EXPECT_EQ(area("[]"), 0);
+  const cv::Mat mask = decodeMask(read("[[0, 0, 9, 0, 9, 1, 0, 1]]").at(0));
+  EXPECT_EQ(mask.size(), cv::Size(4, 3)) << "polygons are of the size of their image";
+  EXPECT_EQ(cv::countNonZero(mask), 4 * 2);
+  setImageSize(0, 0);
+  EXPECT_EQ(area(R"({"size": [3, 4], "counts": "327"})"), 2) << "the dataset does not say";
+}
+
+// The first of the eight instances is left out each time, whatever else the file holds.
+TEST_F(InstanceMaskFiles, MasksWithoutAreaOrOfAnotherSizeAreLeftOutAndCounted) {
+  for (const auto& [mask, reason] :
+       {std::pair("null", "is null"),
+        {"[]", "encloses nothing"},
+        {"[[]]", "encloses nothing"},
+        {"[null]", "encloses nothing"},
+        {"[[1, 2, 3, 4]]", "encloses nothing"},
+        {R"({"size": [3, 4], "counts": "327"})", "is of 4 x 3 pixels, its image of 1600 x 900"}}) {
+    SCOPED_TRACE(mask);
+    tables_.left_out = {};
+    EXPECT_EQ(read(mask).size(), 7U);
+    const auto entries = tables_.left_out.entries();
+    ASSERT_EQ(entries.size(), 1U);
+    const auto& [what, why] = *entries.begin();
+    EXPECT_NE(what.find("other.json"), std::string::npos) << what;
+    EXPECT_EQ(why.rfind("1 of 8 instances, the first because: ", 0), 0U) << why;
+    EXPECT_NE(why.find(reason), std::string::npos) << why;
+  }
 }
 
 TEST_F(InstanceMaskFiles, BrokenMasksAreNamed) {
+  setImageSize(3, 4);
   expectError(R"({"size": [3, 4], "counts": "32"})", "add up to 5, not to 3 x 4");
   expectError(R"({"size": [3, 4], "counts": [3, 2]})", "add up to 5, not to 3 x 4");
   expectError(R"({"size": [3, 4], "counts": [3, -2, 11]})", "run length that does not fit");
@@ -208,11 +243,9 @@ TEST_F(InstanceMaskFiles, BrokenMasksAreNamed) {
   expectError(R"({"size": [3, 1e9], "counts": "327"})", "size of two numbers in 1..");
   expectError(R"({"size": [3, 4]})", "without size or counts");
   expectError(R"({"size": [3, 4], "counts": null})", "counts that are a text or a list");
-  expectError(R"([[1, 2, 3, 4]])", "polygon of 4 numbers");
   expectError(R"([[1, 2, 3, 4, 5, 6, 7]])", "polygon of 7 numbers");
   expectError(R"([[1, 2, 3, 4, "5", 6]])", "no number");
   expectError(R"([[1, 2, 3, 4, 5, 6], {"size": [3, 4], "counts": "327"}])", "mixes run lengths and polygons");
-  expectError(R"([{"size": [3, 4], "counts": "327"}, {"size": [4, 3], "counts": "327"}])", "unequal size");
   expectError("[7]", "must hold run lengths");
   expectError("\"327\"", "must be run lengths");
 }

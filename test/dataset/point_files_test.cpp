@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <random>
 
@@ -138,6 +139,35 @@ TEST_F(PointFiles, TruncationNamesTheRecord) {
   expectError(binary.substr(0, start), {"record 0 of 10"});
 }
 
+TEST_F(PointFiles, WhatFollowsTheRecordsMustBePadding) {
+  PcdContent content;
+  content.fields = test::nuscenesRadarFields();
+  content.records.assign(10, std::vector<double>(18, 1.0));
+  std::string text = test::formatPcd(content);
+  for (const auto& [from, to] : {std::pair("WIDTH 10", "WIDTH 9"), {"POINTS 10", "POINTS 9"}})
+    text.replace(text.find(from), std::string(from).size(), to);
+  expectError(text, {"behind the last of 9 records of 43 bytes"});
+}
+
+// A lidar scan, a radar list without range rates, and a radar scan of another data set.
+TEST_F(PointFiles, ARadarScanHasAVelocity) {
+  PcdContent content;
+  for (const auto& [names, is_radar] : {std::pair(std::vector{"x", "y", "z", "intensity"}, false),
+                                        {std::vector{"x", "y", "z", "rcs"}, false},
+                                        {std::vector{"x", "y", "z", "vrel_x"}, true},
+                                        {std::vector{"x", "y", "z", "Doppler"}, true}}) {
+    content.fields.clear();
+    for (const char* name : names) content.fields.push_back({name});
+    content.records = {{1, 2, 3, 4}};
+    test::writeFile(file_, test::formatPcd(content));
+    if (is_radar)
+      EXPECT_EQ(readRadarPcd(file_).size, 1U);
+    else
+      test::expectRefusal<DatasetError>([&] { readRadarPcd(file_); },
+                                        {file_.string(), "is no radar scan", names[3]});
+  }
+}
+
 TEST_F(PointFiles, HeaderErrorsNameTheLine) {
   const std::string tail = "WIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA binary\n";
   const std::string head = "FIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\n";
@@ -232,6 +262,40 @@ TEST_F(PointFiles, LidarRecordsOfFiveFloats) {
                                     {"39 bytes are no multiple", file_.string()});
   test::writeFile(file_, "");
   EXPECT_EQ(readLidarBin(file_).size, 0U);
+}
+
+// Each file has a whole number of 20 byte records.
+TEST_F(PointFiles, OtherFilesAreNoLidarScans) {
+  const auto expectRefused = [this](const std::string& bytes, const std::string& part) {
+    ASSERT_EQ(bytes.size() % 20, 0U);
+    test::writeFile(file_, bytes);
+    test::expectRefusal<DatasetError>([&] { readLidarBin(file_); }, {file_.string(), part});
+  };
+  // A ring of 32 beams of 40 points: x y z intensity [ring [time]], as float or double.
+  const auto scan = [](std::size_t columns, auto zero) {
+    std::string bytes;
+    for (int i = 0; i < 1280; ++i) {
+      const double angle = 0.1571 * (i / 32);
+      const double values[6] = {20.5 * std::cos(angle), 20.5 * std::sin(angle), 0.1 * (i % 32) - 1.84,
+                                i % 256 * 1.0,          i % 32 * 1.0,           1e-4 * i};
+      for (std::size_t k = 0; k < columns; ++k) {
+        const auto value = static_cast<decltype(zero)>(values[k]);
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+      }
+    }
+    return bytes;
+  };
+  test::writeFile(file_, scan(5, 0.0F));
+  EXPECT_EQ(readLidarBin(file_).size, 1280U);
+  for (const std::size_t columns : {3U, 4U, 6U})
+    expectRefused(scan(columns, 0.0F), "no x y z intensity ring");
+  for (const std::size_t columns : {3U, 5U}) expectRefused(scan(columns, 0.0), "no x y z intensity ring");
+  expectRefused("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n12345", "record 0");
+  expectRefused(std::string(2000, '\0'), "zeros alone");
+  std::string infinite = scan(5, 0.0F);
+  const float infinity = std::numeric_limits<float>::infinity();
+  std::memcpy(&infinite[60], &infinity, sizeof infinity);
+  expectRefused(infinite, "record 3");
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ void writeReadingFiles(const NewScene& scene, const std::filesystem::path& folde
     if (reading.sensor == kCamera)
       cv::imwrite(file.string(), cv::Mat(12, 16, CV_8UC3, cv::Scalar(90, 90, 90)));
     if (reading.sensor == kRadar) writeRadarPcd(file, std::vector<RadarRecord>(i % 4));
-    if (reading.sensor == kLidar) writeLidarBin(file, std::vector<LidarRecord>(i % 4));
+    if (reading.sensor == kLidar) writeLidarBin(file, std::vector<LidarRecord>(i % 4, {1.0F}));
   }
 }
 

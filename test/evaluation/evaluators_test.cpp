@@ -18,6 +18,7 @@
 #include "fixtures/files.h"
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/tool_run.h"
+#include "radar_dot/dataset/tables.h"
 
 namespace radar_dot {
 namespace {
@@ -179,12 +180,115 @@ TEST_F(EvaluateEgoVelocity, MissingFilesAreCounted) {
   options.channels_on_disk = {"RADAR_FRONT", "RADAR_BACK_LEFT"};
   const test::NuscenesFixture partial(options);
   const std::string root = "--dataroot " + partial.dataroot().string();
-  const Outcome outcome = runTool("evaluate_ego_velocity", root);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
-  expectParts(outcome.text, {"warning: RADAR_FRONT_LEFT: "});
-  EXPECT_EQ(outcome.text.find("warning: RADAR_FRONT: "), std::string::npos) << outcome.text;
+  const Outcome outcome = runTool("evaluate_ego_velocity", root + " --json " + json());
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.text;
+  expectParts(outcome.text, {"Left out:\n  scene-0001 (radar files): not on disk: RADAR_BACK_RIGHT "});
+  const std::string why = report()["left_out"]["scene-0002 (radar files)"].GetString();
+  expectParts(why, {"RADAR_FRONT_LEFT "});
+  EXPECT_EQ(why.find("RADAR_FRONT "), std::string::npos) << why;
   expectRefusals("evaluate_ego_velocity", root,
                  {{"--scenes scene-0001 --radar-channels RADAR_FRONT,RADAR_FRONT_LEFT", "RADAR_FRONT_LEFT"}});
+}
+
+/// A tool, the options of a quick run, and a file of scene-0001 that it reads.
+struct BrokenInput {
+  const char* tool;
+  const char* options;
+  const char* channel;
+};
+
+// What is left is as if the other scene had been asked for alone.
+TEST_F(Evaluators, ABrokenFileCostsItsSceneAlone) {
+  for (const BrokenInput& input :
+       {BrokenInput{"evaluate_ego_velocity", "", "RADAR_FRONT"},
+        {"evaluate_objects", "", "RADAR_FRONT"},
+        {"evaluate_segmentation", " --working-width 160 --max-pairs 2", "CAM_FRONT"},
+        {"evaluate_segmentation", " --working-width 160 --max-pairs 2 --jobs 2", "RADAR_FRONT"},
+        {"calibrate_radars", "", "RADAR_FRONT"}}) {
+    SCOPED_TRACE(std::string(input.tool) + input.options + " " + input.channel);
+    const test::NuscenesFixture fixture;
+    const dataset::Tables tables = dataset::Tables::load(fixture.dataroot());
+    const fs::path broken = tables.path(at(tables.sample_data, tables.readingsOf(0, input.channel)[1]));
+    test::writeFile(broken, "404 Not Found");
+    const std::string root = "--version v1.0-mini --dataroot " + fixture.dataroot().string() + input.options;
+    const Outcome alone = runTool(input.tool, root + " --scenes scene-0002" + files());
+    ASSERT_EQ(alone.exit_code, 0) << alone.text;
+    EXPECT_EQ(report()["left_out"].MemberCount(), 0U);
+    const std::string figures = test::readFile(csv());
+    const Outcome outcome = runTool(input.tool, root + files());
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.text;
+    expectParts(outcome.text, {"\nLeft out:\n  scene-0001: ", broken.string(), "done in part"});
+    ASSERT_EQ(report()["left_out"].MemberCount(), 1U);
+    expectParts(report()["left_out"]["scene-0001"].GetString(), {broken.string()});
+    const bool has_times = std::string(input.tool) == "evaluate_segmentation";
+    EXPECT_TRUE(has_times || test::readFile(csv()) == figures);
+    // With both scenes broken there is no result.
+    test::writeFile(tables.path(at(tables.sample_data, tables.readingsOf(1, input.channel)[1])), "");
+    const Outcome nothing = runTool(input.tool, root);
+    EXPECT_EQ(nothing.exit_code, 1);
+    expectParts(nothing.text, {"scene-0001: ", "none of the 2 scenes can be used"});
+  }
+}
+
+TEST_F(Evaluators, ImagesOfAnotherSizeAreNotCompared) {
+  const test::NuscenesFixture fixture;
+  const dataset::Tables tables = dataset::Tables::load(fixture.dataroot());
+  const fs::path small = tables.path(at(tables.sample_data, tables.readingsOf(1, "CAM_FRONT")[1]));
+  test::writeImage(small, cv::Mat(450, 800, CV_8UC1, cv::Scalar(100)));
+  const Outcome outcome = runTool("evaluate_segmentation", "--working-width 160 --max-pairs 2 --dataroot " +
+                                                               fixture.dataroot().string() + files());
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.text;
+  expectParts(report()["left_out"]["scene-0002"].GetString(),
+              {small.string(), "has 800x450 px, not the 1600x900 of sample_data.json"});
+}
+
+// The fixture annotates CAM_FRONT; the tables list readings of the other sensor all the same.
+TEST_F(Evaluators, ACameraWithoutTruthIsNotScored) {
+  expectRefusals("evaluate_segmentation", dataroot(),
+                 {{"--camera RADAR_FRONT", "has no mask of RADAR_FRONT, only of CAM_FRONT"}});
+}
+
+TEST_F(Evaluators, MergedReportsTellWhatWasLeftOutOfThem) {
+  const std::string scene =
+      R"("scenes": [{"scene": "scene-0002", "frames": 1, "without_motion": 0, "true_positives": 1,
+    "false_positives": 0, "false_negatives": 0, "true_negatives": 0, "velocity_error_count": 0, "seconds": 0,
+    "velocity_error_sum": 0}]})";
+  const fs::path one = folder_.path() / "one.json", two = folder_.path() / "two.json";
+  test::writeFile(
+      one, "{\"left_out\": {\"scene-0002\": \"was broken\", \"scene-0003\": \"is broken\"}, \"scenes\": []}");
+  test::writeFile(two, "{" + scene);
+  const Outcome merged =
+      runTool("evaluate_segmentation", fmt::format("--merge {},{}", one.string(), two.string()) + files());
+  EXPECT_EQ(merged.exit_code, 3) << merged.text;
+  expectParts(merged.text, {"Left out:\n  scene-0003: is broken\n"});
+  EXPECT_EQ(report()["left_out"].MemberCount(), 1U) << "a later run has scene-0002";
+}
+
+// No file of the dataroot is read: it is not there.
+TEST_F(Evaluators, OutputsThatCannotBeWrittenAreFoundBeforeTheWork) {
+  const std::string file = folder_.path() / "file";
+  test::writeFile(file, "");
+  for (const std::string tool :
+       {"evaluate_depth", "evaluate_flow", "evaluate_objects", "evaluate_segmentation", "calibrate_radars"})
+    expectRefusals(tool, "--dataroot /missing", {{"--csv /nowhere/out", "/nowhere/out: cannot be written"}});
+  for (const std::string& target : {folder_.path().string(), file + "/out"})
+    expectRefusals("evaluate_ego_velocity", "--dataroot /missing",
+                   {{"--json " + target, target + ": cannot be written"}});
+  expectRefusals("evaluate_ego_velocity", "--dataroot /missing", {{"--json " + json(), "/missing"}});
+  expectRefusals("evaluate_segmentation", "--dataroot /missing",
+                 {{"--save-masks /proc/masks", "/proc/masks"}});
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1)
+      << "the trials are gone";
+}
+
+// The device takes no byte, and the reader of the table has gone.
+TEST_F(Evaluators, NothingThatCannotBeWrittenKeepsTheRest) {
+  const Outcome full = runTool("evaluate_ego_velocity", dataroot() + " --json /dev/full --csv " + csv());
+  EXPECT_EQ(full.exit_code, 1);
+  expectParts(full.text, {"\noverall ", "/dev/full: cannot be written"});
+  expectCsv({"scene,", "scene-0001,", "scene-0002,", "overall,"});
+  test::runCommand("{ sleep 0.1; " + commandOf("evaluate_ego_velocity", dataroot()) + files() + "; } | true");
+  EXPECT_EQ(report()["scenes"].Size(), 2U);
 }
 
 TEST_F(EvaluateEgoVelocity, ATruncatedPcdIsNamed) {
@@ -223,7 +327,8 @@ TEST_F(Evaluators, DepthIsWrittenToTableJsonAndCsv) {
                   {"--truth lidar --scenes scene-0002", "LIDAR_TOP"}});
   const Outcome refused = runTool("evaluate_depth", dataroot());
   EXPECT_EQ(refused.exit_code, 1);  // the reader of images may say something of its own before
-  expectParts(refused.text, {"evaluate_depth: " + fixture_->dataroot().string() + "/ground_truth/depth"});
+  expectParts(refused.text,
+              {"evaluate_depth: scene-0001: " + fixture_->dataroot().string() + "/ground_truth/depth"});
 }
 
 TEST_F(Evaluators, FlowIsWrittenToTableJsonAndCsv) {

@@ -20,9 +20,9 @@ namespace radar_dot::bag {
 struct ConvertOptions {
   std::vector<std::string> channels;  ///< empty = every channel the scene has
   Compression compression = Compression::kNone;
-  bool overwrite = false;
+  bool overwrite = false;  ///< otherwise a bag that is complete stays
   /// What dataset::readInstanceMasks gave, for the ground-truth dynamic masks, which go with
-  /// CAM_FRONT; nullptr = no masks.
+  /// their cameras; nullptr = no masks.
   const std::vector<dataset::InstanceMask>* masks = nullptr;
 };
 
@@ -35,6 +35,7 @@ struct FileCount {
 /// What a conversion did.
 struct ConvertSummary {
   std::filesystem::path file;
+  bool existed = false;  ///< nothing was written: only what was there, and what is missing, is told
   std::size_t messages = 0;
   std::size_t radar_files = 0;
   std::uintmax_t sensor_bytes = 0;  ///< of the sensor files put into the bag
@@ -57,15 +58,17 @@ using ProgressCallback = std::function<void(std::size_t, std::size_t)>;
 ///     /can/wheel_speed                       geometry_msgs/TwistWithCovarianceStamped, base_link
 ///     /ground_truth/odom                     nav_msgs/Odometry map -> base_link, at every ego pose
 ///     /ground_truth/boxes                    visualization_msgs/MarkerArray in map, at keyframes
-///     /ground_truth/dynamic_mask/compressed  sensor_msgs/CompressedImage, see ConvertOptions::masks
+///     /ground_truth/dynamic_mask/compressed  sensor_msgs/CompressedImage of CAM_FRONT, see
+///     ConvertOptions::masks /ground_truth/<camera channel>/dynamic_mask/compressed  of the other cameras
 ///
 /// Topics and frames of sensors are the channels in lower case.
 /// Sensor files that are not on disk are left out and counted. The bag appears under its name only
-/// when it is complete.
-/// @throws dataset::DatasetError for unreadable input, or when none of the files is on disk;
+/// when it is complete, and then is not written again unless it may be overwritten.
+/// @throws dataset::DatasetError for unreadable input, when none of the files is on disk, or when the bag
+/// exists and
+///         is not complete or lacks files that are on disk now;
 ///         std::invalid_argument for a channel the dataset lacks, with those it has;
-///         std::runtime_error with path and cause when the bag cannot be written or exists and may
-///         not be overwritten. Nothing stays behind.
+///         std::runtime_error with path and cause when the bag cannot be written. Nothing stays behind.
 ConvertSummary convertScene(const dataset::Tables& tables, dataset::Index scene,
                             const std::filesystem::path& folder, const ConvertOptions& options = {},
                             const ProgressCallback& progress = {});

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "radar_dot/dataset/left_out.h"
+
 namespace radar_dot::dataset {
 
 /// can_bus/<scene>_pose.json, 50 Hz.
@@ -53,9 +55,14 @@ struct CanBus {
   bool empty() const noexcept { return poses.empty() && imu.empty() && vehicle.empty(); }
 };
 
-/// Reads dataroot/can_bus/<scene>_*.json, sorted by time.
+/// Reads dataroot/can_bus/<scene>_*.json, sorted by time. Rows with a value that is null, not finite or no
+/// unit quaternion, and those with the time of another row, are left out.
 /// @throws DatasetError naming file, record and field.
-CanBus readCanBus(const std::filesystem::path& dataroot, std::string_view scene);
+CanBus readCanBus(const std::filesystem::path& dataroot, std::string_view scene,
+                  const LeftOut& left_out = {});
+/// CanBus::vehicle alone.
+std::vector<CanVehicleInfo> readVehicleInfo(const std::filesystem::path& dataroot, std::string_view scene,
+                                            const LeftOut& left_out = {});
 
 /// Writes dataroot/can_bus/<scene>_*.json, the inverse of readCanBus; the folder must exist. A part without
 /// messages gets no file.

@@ -36,6 +36,10 @@ RunLengthMask encodeMask(const cv::Mat& mask);
 /// A polygon, px: x0 y0 x1 y1 ...
 using Polygon = std::vector<double>;
 
+/// Size of an image of which nothing else is known, px.
+inline constexpr int kMaskRows = 900;
+inline constexpr int kMaskColumns = 1600;
+
 /// One row of nuinsseg.json.
 struct InstanceMask {
   Token token;
@@ -46,16 +50,15 @@ struct InstanceMask {
   std::vector<Token> attribute_tokens;
   Token instance_token;
   Token visibility_token;
+  cv::Size image{kMaskColumns, kMaskRows};  ///< px, of its image
   /// One or several RLEs, or polygons; their union is the mask.
   std::variant<std::vector<RunLengthMask>, std::vector<Polygon>> mask;
 };
 
-/// Size of the canvas of polygon masks, px.
-inline constexpr int kMaskRows = 900;
-inline constexpr int kMaskColumns = 1600;
-
 /// Reads dataroot/version/nuinsseg.json (or `file` when given); the tokens join `tables.tokens`. Rows of
-/// readings that the tables do not hold (other scenes, other parts of the dataset) are left out.
+/// readings that the tables do not hold (other scenes, other parts of the dataset) are left out; so are, with
+/// an entry in tables.left_out, masks that enclose nothing (null, empty, polygons of two corners) and masks
+/// of another size than their image.
 /// @throws DatasetError naming file, record and field.
 std::vector<InstanceMask> readInstanceMasks(Tables& tables, const std::filesystem::path& file = {});
 
@@ -78,7 +81,7 @@ bool isMoving(const Tables& tables, const InstanceMask& instance);
 bool isMoving(const Tables& tables, const SampleAnnotation& annotation);
 
 /// The paper's ground truth: union of the masks of the moving instances of one image, CV_8UC1
-/// 0 or 255, kMaskRows x kMaskColumns where no instance says otherwise.
+/// 0 or 255, kMaskRows x kMaskColumns where there is no instance.
 cv::Mat dynamicMask(const Tables& tables, const std::vector<const InstanceMask*>& instances);
 
 }  // namespace radar_dot::dataset

@@ -13,12 +13,18 @@ namespace radar_dot::dataset {
 /// Reads a .pcd file (DATA ascii, binary or binary_compressed, COUNT 1) with whatever fields, order and types
 /// its header declares. POINTS decides how many records there are: nuScenes pads its files with zeros. Zero
 /// points are a valid cloud.
-/// @throws DatasetError naming file and header line, or the record at which the data end.
+/// @throws DatasetError naming file and header line, or the record at which the data end, or behind which
+/// they
+///         go on with anything but zeros.
 PointCloud readPcd(const std::filesystem::path& file);
+/// The same of a radar, with a field that may be a velocity. @throws DatasetError for other files
+PointCloud readRadarPcd(const std::filesystem::path& file);
 
 /// Reads a LIDAR_TOP .pcd.bin file: records of five float32 x, y, z (m, sensor frame), intensity
 /// (0..255), ring.
-/// @throws DatasetError when the size is no multiple of a record.
+/// @throws DatasetError when the size is no multiple of a record, a point is not finite or its ring no whole
+/// number
+///         (records of other sizes show by that), or all is zero.
 PointCloud readLidarBin(const std::filesystem::path& file);
 
 /// One return, with the 18 fields of a nuScenes radar file. Sensor frame.

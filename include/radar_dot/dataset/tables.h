@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -15,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "radar_dot/dataset/left_out.h"
 #include "radar_dot/dataset/token.h"
 #include "radar_dot/dataset/token_index.h"
 
@@ -69,10 +71,10 @@ struct Scene {
   Token token;
   std::string name;  ///< e.g. "scene-0061"
   std::string description;
-  Index log = kNone;
+  Index log = kNone;  ///< kNone without a table of them
   Index first_sample = kNone;
   Index last_sample = kNone;
-  int sample_count = 0;
+  int sample_count = -1;  ///< -1 where the dataset does not say
 };
 
 /// A keyframe.
@@ -95,8 +97,8 @@ struct SampleData {
   Index next = kNone;
   std::uint32_t filename_offset = 0;
   std::uint16_t filename_length = 0;
-  std::uint16_t width = 0;   ///< px; cameras
-  std::uint16_t height = 0;  ///< px; cameras
+  std::uint16_t width = 0;   ///< px; cameras; 0 where the dataset does not say
+  std::uint16_t height = 0;  ///< px
   bool is_key_frame = false;
 };
 
@@ -126,7 +128,7 @@ struct Instance {
   Index category = kNone;
   Index first_annotation = kNone;
   Index last_annotation = kNone;
-  int annotation_count = 0;
+  int annotation_count = -1;
 };
 
 /// An annotated box at a keyframe, map frame.
@@ -141,8 +143,8 @@ struct SampleAnnotation {
   std::array<double, 3> size{};         ///< m: width (y), length (x), height (z)
   std::array<double, 4> rotation{};     ///< w x y z
   std::vector<Index> attributes;
-  int lidar_points = 0;
-  int radar_points = 0;
+  int lidar_points = -1;  ///< -1 where the dataset does not say
+  int radar_points = -1;
   Eigen::Isometry3d T_map_from_box() const;
 };
 
@@ -159,7 +161,8 @@ struct LoadOptions {
 /// The tables of a nuScenes dataroot, with every reference resolved to a row number.
 class Tables {
  public:
-  /// Reads `dataroot/version/*.json`, streaming.
+  /// Reads `dataroot/version/*.json`, streaming. The tables log, map and visibility, and fields that no
+  /// reading or box needs, may be missing.
   /// @throws DatasetError for a missing dataroot or table, malformed JSON (file and byte), a missing
   ///         or mistyped field (file, record, field), a reference to a token that does not exist
   ///         (file, record, field, token), a token used twice, or a scene name that does not exist (with the
@@ -183,6 +186,7 @@ class Tables {
   std::vector<Instance> instances;
   std::vector<SampleAnnotation> annotations;
   TokenPool tokens;
+  LeftOut left_out;  ///< by whoever reads files of the dataroot
 
   /// Row of the scene, or kNone.
   Index findScene(std::string_view name) const noexcept;
@@ -201,6 +205,12 @@ class Tables {
   /// Path relative to the dataroot.
   std::string_view filename(const SampleData& reading) const noexcept;
   std::filesystem::path path(const SampleData& reading) const;
+  /// Does the work on a scene. What is wrong with its files leaves it out instead of ending the others.
+  /// @return whether it was done; what else goes wrong than the data passes through
+  bool work(Index scene, const std::function<void()>& on_scene) const;
+  /// To be called where no scene could be worked on. @throws DatasetError with the reason of the first
+  [[noreturn]] void failWithoutScenes() const;
+
   /// Row of the reading with this token, or kNone.
   Index findReading(Token token) const noexcept;
 

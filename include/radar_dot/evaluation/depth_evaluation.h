@@ -48,9 +48,8 @@ struct DepthReport {
 };
 
 /// Evaluates the keyframe images of one scene.
-/// @throws NoImages (segmentation_evaluation.h) where there are none, or none on disk,
-///         dataset::DatasetError for missing or unreadable files, and std::invalid_argument for options that
-///         are invalid.
+/// @throws dataset::DatasetError where there are none on disk, and for missing or unreadable files;
+///         std::invalid_argument for options that are invalid.
 DepthReport evaluateDepth(const dataset::Tables& tables, dataset::Index scene,
                           const DepthEvaluationOptions& options = {});
 

@@ -76,9 +76,7 @@ struct MountError {
 /// Results of one scene, or of several merged by operator+=.
 struct VelocityReport {
   std::string scene;
-  std::size_t frames = 0;  ///< pairs of consecutive keyframes with a true displacement
-  /// Radar files the tables list and the disk lacks, by channel: missing, listed. Only where some are.
-  std::map<std::string, std::pair<std::size_t, std::size_t>> missing_files;
+  std::size_t frames = 0;                       ///< pairs of consecutive keyframes with a true displacement
   std::size_t refused = 0;                      ///< of them, refused by the estimator in use
   std::map<std::string, std::size_t> refusals;  ///< by reason
   std::map<std::string, Mean> mae;              ///< by variant: |v - v_gt|, m/s
@@ -98,18 +96,12 @@ struct VelocityReport {
   void describe(Figures& figures);
 };
 
-/// None of the radar files a scene needs is on disk.
-class NoRadarFiles : public dataset::DatasetError {
- public:
-  using DatasetError::DatasetError;
-};
-
 /// Evaluates one scene.
-/// @throws NoRadarFiles where a scene, or a requested channel of it, has no file; dataset::DatasetError
-///         for unreadable files, a correction
-///         for a radar the scene does not have, keyframes out of order, or poses that do not cover them, and
-///         for a folder of masks without one of the scene; std::invalid_argument for a limit on the masks'
-///         age that is invalid.
+/// @throws dataset::DatasetError where a scene, or a requested channel of it, has no file, for unreadable
+/// files,
+///         a correction for a radar the scene does not have, keyframes out of order, or poses that do not
+///         cover them, and for a folder of masks without one of the scene; std::invalid_argument for a limit
+///         on the masks' age that is invalid.
 VelocityReport evaluateEgoVelocity(const dataset::Tables& tables, dataset::Index scene,
                                    const VelocityEvaluationOptions& options = {});
 

@@ -50,8 +50,8 @@ struct FlowReport {
 
 /// Evaluates the pairs of one scene of a simulated dataroot. Pixels that leave the second image or are
 /// occluded in it take no part; what the images of the truth call moving counts as moving.
-/// @throws NoImages (segmentation_evaluation.h) where there is no pair on disk, dataset::DatasetError for
-///         missing or unreadable files, and std::invalid_argument for invalid options.
+/// @throws dataset::DatasetError where there is no pair on disk, and for missing or unreadable files;
+///         std::invalid_argument for invalid options.
 FlowReport evaluateFlow(const dataset::Tables& tables, dataset::Index scene,
                         const FlowEvaluationOptions& options = {});
 

@@ -112,7 +112,7 @@ struct ObjectReport {
 /// box. A track matches a box when it lies in it, grown by `margin`, or within centre_distance of its centre;
 /// matching is one-to-one with the least sum of distances. A mover in the region may be matched by any track,
 /// and a track in the region by any mover.
-/// @throws NoRadarFiles and dataset::DatasetError as evaluateEgoVelocity, the latter also naming the folder
+/// @throws dataset::DatasetError as evaluateEgoVelocity, and naming the folder
 ///         where it holds no mask of the scene, or an image without depth; std::invalid_argument for
 ///         invalid parameters.
 ObjectReport evaluateObjects(const dataset::Tables& tables, dataset::Index scene,

@@ -71,16 +71,10 @@ struct SegmentationReport {
   void describe(Figures& figures);
 };
 
-/// None of the image pairs a scene needs is on disk.
-class NoImages : public dataset::DatasetError {
- public:
-  using DatasetError::DatasetError;
-};
-
 /// Evaluates one scene. `progress` is called after every pair with (done, all).
-/// @throws NoImages where a scene has no pair of images on disk, dataset::DatasetError for missing or
-/// unreadable files, and std::invalid_argument for options that make
-///         no sense.
+/// @throws dataset::DatasetError where the scene has no pair of images on disk, or masks of other cameras
+/// alone, and
+///         for missing or unreadable files; std::invalid_argument for options that make no sense.
 SegmentationReport evaluateSegmentation(const dataset::Tables& tables, dataset::Index scene,
                                         const std::vector<const dataset::InstanceMask*>& masks,
                                         const SegmentationEvaluationOptions& options = {},
