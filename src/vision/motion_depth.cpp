@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "depth_backends.h"
 #include "motion_images.h"
 #include "parallel_rows.h"
 #include "radar_dot/vision/motion_terms.h"
@@ -138,7 +139,50 @@ void check(const MotionDepthInput& input) {
   requireImage(input.step->fb_error, CV_32FC1, input.camera, "fb_error", "CV_32FC1");
 }
 
+/// The backend.
+class MotionDepthEstimator : public DepthEstimator {
+ public:
+  explicit MotionDepthEstimator(const DepthParams& params)
+      : prior_(makeRadarGroundDepth(params)), filter_(params.motion) {}
+
+  DepthNeeds needs() const override {
+    DepthNeeds needs = prior_->needs();
+    needs.motion = true;
+    return needs;
+  }
+
+  cv::Mat estimate(const DepthInput& input) override {
+    const cv::Mat prior = prior_->estimate(input);
+    const cv::Mat prior_std = prior_->relativeStd(input, prior);
+    MotionDepthResult result =
+        filter_.update({input.camera, input.pixel_scale, input.time, prior, prior_std, input.step});
+    const cv::Mat refused = result.origin == kRefused;
+    prior.copyTo(result.depth, refused);
+    prior_std.copyTo(result.relative_std, refused);
+    stds_ = result.relative_std;
+    return result.depth;
+  }
+
+  /// Of the latest depth.
+  cv::Mat relativeStd(const DepthInput& /*input*/, const cv::Mat& depth) const override {
+    if (depth.type() != CV_32FC1 || depth.size() != stds_.size())
+      throw std::invalid_argument("depth 'motion': the depth must be the latest one");
+    cv::Mat stds = stds_.clone();
+    stds.setTo(std::numeric_limits<double>::quiet_NaN(), ~(depth == depth));
+    return stds;
+  }
+
+ private:
+  std::unique_ptr<DepthEstimator> prior_;
+  MotionDepth filter_;
+  cv::Mat stds_;
+};
+
 }  // namespace
+
+std::unique_ptr<DepthEstimator> makeMotionDepth(const DepthParams& params) {
+  return std::make_unique<MotionDepthEstimator>(params);
+}
 
 void MotionDepthParams::describe(FieldList& fields) {
   fields.group("MotionDepth");
