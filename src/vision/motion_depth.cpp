@@ -134,6 +134,7 @@ struct Epipolar {
 void check(const MotionDepthInput& input) {
   requireImage(input.prior_depth, CV_32FC1, input.camera, "prior_depth", "CV_32FC1");
   requireImage(input.prior_std, CV_32FC1, input.camera, "prior_std", "CV_32FC1");
+  if (!input.farthest.empty()) requireImage(input.farthest, CV_32FC1, input.camera, "farthest", "CV_32FC1");
   if (!input.step) return;
   requireImage(input.step->flow_back, CV_32FC2, input.camera, "flow_back", "CV_32FC2");
   requireImage(input.step->fb_error, CV_32FC1, input.camera, "fb_error", "CV_32FC1");
@@ -143,7 +144,10 @@ void check(const MotionDepthInput& input) {
 class MotionDepthEstimator : public DepthEstimator {
  public:
   explicit MotionDepthEstimator(const DepthParams& params)
-      : prior_(makeRadarGroundDepth(params)), filter_(params.motion) {}
+      : prior_(makeRadarGroundDepth(params)),
+        filter_(params.motion),
+        ground_(params.radar_ground.ground),
+        max_depth_(params.max_depth) {}
 
   DepthNeeds needs() const override {
     DepthNeeds needs = prior_->needs();
@@ -154,12 +158,13 @@ class MotionDepthEstimator : public DepthEstimator {
   cv::Mat estimate(const DepthInput& input) override {
     const cv::Mat prior = prior_->estimate(input);
     const cv::Mat prior_std = prior_->relativeStd(input, prior);
-    MotionDepthResult result =
-        filter_.update({input.camera, input.pixel_scale, input.time, prior, prior_std, input.step});
+    MotionDepthResult result = filter_.update(
+        {input.camera, input.pixel_scale, input.time, prior, prior_std, farthest(input), input.step});
     const cv::Mat refused = result.origin == kRefused;
     prior.copyTo(result.depth, refused);
     prior_std.copyTo(result.relative_std, refused);
     stds_ = result.relative_std;
+    result.depth = cv::min(result.depth, max_depth_);
     return result.depth;
   }
 
@@ -173,8 +178,18 @@ class MotionDepthEstimator : public DepthEstimator {
   }
 
  private:
+  /// Of the ground at two sigmas.
+  cv::Mat farthest(const DepthInput& input) const {
+    cv::Mat depth = groundDepth(input.camera, input.T_base_from_camera, ground_.height, ground_.pitch,
+                                std::numeric_limits<double>::infinity());
+    cv::Mat share = 1.0 - 2.0 * groundRelativeStd(input.camera, input.T_base_from_camera, ground_);
+    return depth / cv::max(share, 1e-3);
+  }
+
   std::unique_ptr<DepthEstimator> prior_;
   MotionDepth filter_;
+  GroundParams ground_;
+  double max_depth_;  // m
   cv::Mat stds_;
 };
 
@@ -259,9 +274,9 @@ MotionDepth::State MotionDepth::predicted(const MotionDepthInput& input, bool mo
   return state;
 }
 
-void MotionDepth::measure(const MotionDepthInput::Step& step, const CameraIntrinsics& camera,
+void MotionDepth::measure(const MotionDepthInput& input, const MotionDepthInput::Step& step,
                           State& state) const {
-  const Epipolar epipolar(camera, step, params_);
+  const Epipolar epipolar(input.camera, step, params_);
   const GapLimit limit(params_);
   parallelRows(state.rho.rows, [&](int row) {
     const auto* flow = step.flow_back.ptr<cv::Vec2f>(row);
@@ -269,12 +284,20 @@ void MotionDepth::measure(const MotionDepthInput::Step& step, const CameraIntrin
     float* rho = state.rho.ptr<float>(row);
     float* variance = state.variance.ptr<float>(row);
     auto* origin = state.origin.ptr<std::uint8_t>(row);
+    const float* farthest = input.farthest.empty() ? nullptr : input.farthest.ptr<float>(row);
     for (int column = 0; column < state.rho.cols; ++column) {
       if (!limit.allows(flow[column], gaps[column])) continue;
       Estimate estimate{rho[column], variance[column]};
       const std::uint8_t found = epipolar.update(static_cast<float>(column), static_cast<float>(row),
                                                  flow[column][0], flow[column][1], gaps[column], estimate);
-      if (found == kMotion) {
+      const bool is_below = farthest != nullptr && estimate.rho * farthest[column] < 1.0F;
+      if (found == kMotion && is_below) {
+        // It moves along: a fresh start, for when it has passed.
+        estimate = startOf(input.prior_depth.at<float>(row, column), input.prior_std.at<float>(row, column));
+        rho[column] = estimate.rho;
+        variance[column] = estimate.variance;
+        origin[column] = kRefused;
+      } else if (found == kMotion) {
         rho[column] = estimate.rho;
         variance[column] = estimate.variance;
         origin[column] = kMotion;
@@ -338,7 +361,7 @@ MotionDepthResult MotionDepth::update(const MotionDepthInput& input) {
       show(state, input.prior_depth, result);
       refine(input, result, step);
     }
-    measure(step, input.camera, state);
+    measure(input, step, state);
   }
   result.T_current_from_previous = step.T_current_from_previous;
   show(state, input.prior_depth, result);

@@ -46,6 +46,10 @@ struct MotionDepthInput {
   cv::Mat prior_depth;       ///< CV_32FC1, m, what is known without images before; NaN: unknown
   cv::Mat prior_std;         ///< CV_32FC1, 1 sigma of its inverse, share of it (DepthEstimator::relativeStd)
 
+  /// CV_32FC1, m, which no static point is beyond: the ground, as far as its uncertainty lets it be; infinity
+  /// or NaN: no limit; empty: nowhere
+  cv::Mat farthest = {};
+
   /// What leads back to the image before.
   struct Step {
     double previous_time = 0.0;  ///< s
@@ -110,7 +114,7 @@ class MotionDepth {
   State predicted(const MotionDepthInput& input, bool moved) const;
   void refine(const MotionDepthInput& input, const MotionDepthResult& predicted,
               MotionDepthInput::Step& step) const;
-  void measure(const MotionDepthInput::Step& step, const CameraIntrinsics& camera, State& state) const;
+  void measure(const MotionDepthInput& input, const MotionDepthInput::Step& step, State& state) const;
   static void show(const State& state, const cv::Mat& prior, MotionDepthResult& result);
 
   MotionDepthParams params_;
