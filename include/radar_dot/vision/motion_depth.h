@@ -18,17 +18,26 @@ namespace radar_dot {
 struct MotionDepthParams {
   double max_interval = 0.25;
   double min_baseline = 0.02;
-  double flow_std = 0.5;
+  double flow_std = 0.3;
   double flow_std_relative = 0.03;
   double fb_error_weight = 0.3;
   double max_fb_error = 1.5;
   double max_fb_error_relative = 0.1;
-  double growth = 0.04;
+  double growth = 0.08;
   double max_deviation = 3.0;
   bool refine = true;
-  RefinementParams refinement;
+  RefinementParams refinement = quickRefinement();
 
   void describe(FieldList& fields);
+
+ private:
+  /// Consecutive images leave little to correct.
+  static RefinementParams quickRefinement() {
+    RefinementParams params;
+    params.stride = 32;
+    params.iterations = 4;
+    return params;
+  }
 };
 
 /// Where the depth of a pixel comes from.
