@@ -111,8 +111,9 @@ struct Epipolar {
     const float variance_there = s_squared * w * w;  // of a, across and along
     const float across = a_u * b_v - a_v * b_u;
     if (!(across * across <= gate * b_squared * variance_there)) return kRefused;
-    const float measured = -(a_u * b_u + a_v * b_v) / b_squared;
-    const float own_variance = variance_there / b_squared;
+    const float over_b = 1.0F / b_squared;
+    const float measured = -(a_u * b_u + a_v * b_v) * over_b;
+    const float own_variance = variance_there * over_b;
     if (measured < 0.0F && measured * measured > 4.0F * own_variance) return kRefused;
     const float variance = own_variance + scale_variance * measured * measured;
     const float innovation = measured - estimate.rho;
@@ -235,13 +236,19 @@ bool MotionDepth::follows(const MotionDepthInput& input) const {
 }
 
 /// The state of the image before at the pixels of this one; where it does not reach, the prior.
-MotionDepth::State MotionDepth::predicted(const MotionDepthInput& input, bool moved) const {
+MotionDepth::State MotionDepth::predicted(const MotionDepthInput& input, bool moved) {
   const cv::Size size = input.prior_depth.size();
-  State state{input.time, cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC1), cv::Mat(size, CV_8UC1)};
+  State state = std::move(spare_);
+  state.time = input.time;
+  state.rho.create(size, CV_32FC1);
+  state.variance.create(size, CV_32FC1);
+  state.origin.create(size, CV_8UC1);
   const bool followed = follows(input);
   const Carrier carrier(input.camera, followed ? *input.step : MotionDepthInput::Step(),
                         moved ? params_.growth : 0.0);
   const GapLimit limit(params_);
+  const float end_u = static_cast<float>(size.width) - 0.5F;
+  const float end_v = static_cast<float>(size.height) - 0.5F;
   parallelRows(size.height, [&](int row) {
     const float* priors = input.prior_depth.ptr<float>(row);
     const float* stds = input.prior_std.ptr<float>(row);
@@ -256,9 +263,9 @@ MotionDepth::State MotionDepth::predicted(const MotionDepthInput& input, bool mo
       if (followed && limit.allows(flow[column], gaps[column])) {
         const float u = static_cast<float>(column) + flow[column][0];
         const float v = static_cast<float>(row) + flow[column][1];
-        const int before_u = static_cast<int>(std::lround(u));
-        const int before_v = static_cast<int>(std::lround(v));
-        if (before_u >= 0 && before_v >= 0 && before_u < size.width && before_v < size.height) {
+        if (u > -0.5F && v > -0.5F && u < end_u && v < end_v) {
+          const int before_u = static_cast<int>(u + 0.5F);
+          const int before_v = static_cast<int>(v + 0.5F);
           const Estimate before{state_->rho.ptr<float>(before_v)[before_u],
                                 state_->variance.ptr<float>(before_v)[before_u]};
           const std::uint8_t before_origin = state_->origin.ptr<std::uint8_t>(before_v)[before_u];
@@ -308,11 +315,13 @@ void MotionDepth::measure(const MotionDepthInput& input, const MotionDepthInput:
   });
 }
 
-/// Depth and its uncertainty: unknown where nothing was measured and there is no prior.
-void MotionDepth::show(const State& state, const cv::Mat& prior, MotionDepthResult& result) {
+/// Depth and its uncertainty: unknown where nothing was measured and there is no prior. Only the rows that a
+/// refinement with this stride looks at; 1: all.
+void MotionDepth::show(const State& state, const cv::Mat& prior, int stride, MotionDepthResult& result) {
   result.depth.create(state.rho.size(), CV_32FC1);
   result.relative_std.create(state.rho.size(), CV_32FC1);
-  parallelRows(state.rho.rows, [&](int row) {
+  parallelRows((state.rho.rows - stride / 2 + stride - 1) / stride, [&](int index) {
+    const int row = stride / 2 + index * stride;
     const float* priors = prior.ptr<float>(row);
     const float* rho = state.rho.ptr<float>(row);
     const float* variance = state.variance.ptr<float>(row);
@@ -358,14 +367,15 @@ MotionDepthResult MotionDepth::update(const MotionDepthInput& input) {
   State state = predicted(input, result.measured);
   if (result.measured) {
     if (params_.refine) {
-      show(state, input.prior_depth, result);
+      show(state, input.prior_depth, strideOf(params_.refinement, input.pixel_scale), result);
       refine(input, result, step);
     }
     measure(input, step, state);
   }
   result.T_current_from_previous = step.T_current_from_previous;
-  show(state, input.prior_depth, result);
+  show(state, input.prior_depth, 1, result);
   result.origin = state.origin.clone();
+  if (state_) spare_ = std::move(*state_);
   state_ = std::move(state);
   return result;
 }

@@ -120,14 +120,15 @@ class MotionDepth {
     cv::Mat rho, variance, origin;
   };
   bool follows(const MotionDepthInput& input) const;
-  State predicted(const MotionDepthInput& input, bool moved) const;
+  State predicted(const MotionDepthInput& input, bool moved);
   void refine(const MotionDepthInput& input, const MotionDepthResult& predicted,
               MotionDepthInput::Step& step) const;
   void measure(const MotionDepthInput& input, const MotionDepthInput::Step& step, State& state) const;
-  static void show(const State& state, const cv::Mat& prior, MotionDepthResult& result);
+  static void show(const State& state, const cv::Mat& prior, int stride, MotionDepthResult& result);
 
   MotionDepthParams params_;
   std::optional<State> state_;
+  State spare_;  // its memory
 };
 
 }  // namespace radar_dot
