@@ -3,14 +3,18 @@
 #include "radar_dot/vision/motion_depth.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <utility>
 
 #include "depth_backends.h"
 #include "motion_images.h"
 #include "parallel_rows.h"
 #include "radar_dot/vision/motion_terms.h"
 #include "radar_dot/vision/rigid_motion.h"
+#include "vectorised.h"
 
 namespace radar_dot {
 namespace {
@@ -91,9 +95,10 @@ struct Epipolar {
     scale_variance = static_cast<float>(kMeasureStd * kMeasureStd + covariance(5, 5) / baseline);
   }
 
+  /// No branches, so that the compiler works on several pixels at once.
   /// @param u, v  px  @param x, y  px, its flow  @param gap  px
-  /// @return refused or measured
-  std::uint8_t update(float u, float v, float x, float y, float gap, Estimate& estimate) const {
+  /// @return is it a static point? Else the estimate stays.
+  bool update(float u, float v, float x, float y, float gap, Estimate& estimate) const {
     const auto& H = back.H;
     const float there_u = u + x;
     const float there_v = v + y;
@@ -103,6 +108,7 @@ struct Epipolar {
     const float b_u = back.h[0] - there_u * back.h[2];
     const float b_v = back.h[1] - there_v * back.h[2];
     const float b_squared = b_u * b_u + b_v * b_v;
+    const float over_b = 1.0F / b_squared;
     const float w = far_z + estimate.rho * back.h[2];
     const float parallax = std::sqrt(a_u * a_u + a_v * a_v) / far_z;
     const float noise = flow_std + flow_std_relative * parallax;
@@ -110,20 +116,21 @@ struct Epipolar {
                             shift_variance * estimate.rho * estimate.rho;
     const float variance_there = s_squared * w * w;  // of a, across and along
     const float across = a_u * b_v - a_v * b_u;
-    if (!(across * across <= gate * b_squared * variance_there)) return kRefused;
-    const float over_b = 1.0F / b_squared;
     const float measured = -(a_u * b_u + a_v * b_v) * over_b;
     const float own_variance = variance_there * over_b;
-    if (measured < 0.0F && measured * measured > 4.0F * own_variance) return kRefused;
+    const float behind = measured < 0.0F ? measured : 0.0F;
+    const bool is_static =
+        (across * across <= gate * b_squared * variance_there) & (behind * behind <= 4.0F * own_variance);
     const float variance = own_variance + scale_variance * measured * measured;
     const float innovation = measured - estimate.rho;
-    const float squared = innovation * innovation;
-    float before = estimate.variance;
-    if (squared > gate * (before + variance)) before = squared / gate - variance;
+    const float widened = innovation * innovation / gate - variance;
+    const float before = widened > estimate.variance ? widened : estimate.variance;
     const float gain = before / (before + variance);
-    estimate.rho = std::max(estimate.rho + gain * innovation, kSmallest);
-    estimate.variance = (1.0F - gain) * before;
-    return kMotion;
+    const float rho = estimate.rho + gain * innovation;
+    const float bounded = rho > kSmallest ? rho : kSmallest;
+    estimate.rho = is_static ? bounded : estimate.rho;
+    estimate.variance = is_static ? (1.0F - gain) * before : estimate.variance;
+    return is_static;
   }
 
   motion_terms::PixelMotion back;
@@ -131,6 +138,29 @@ struct Epipolar {
   float turn_variance = 0.0F, shift_variance = 0.0F;  // px^2, px^2 m^2
   float scale_variance = 0.0F;                        // share, squared
 };
+
+/// What a block of a row measures.
+struct MeasuredBlock {
+  static constexpr int kPixels = 256;
+  std::array<float, kPixels> rho, variance;
+  std::array<std::uint8_t, kPixels> is_static;
+};
+
+RADAR_DOT_VECTORISED void measureBlock(const Epipolar& epipolar, int row, int begin, int count,
+                                       const float* flows, const float* gaps, const float* rho,
+                                       const float* variance, MeasuredBlock& block) {
+  const Epipolar constants = epipolar;
+  const auto v = static_cast<float>(row);
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    Estimate estimate{rho[i], variance[i]};
+    const bool is_static =
+        constants.update(static_cast<float>(begin + i), v, flows[2 * i], flows[2 * i + 1], gaps[i], estimate);
+    block.rho[k] = estimate.rho;
+    block.variance[k] = estimate.variance;
+    block.is_static[k] = is_static ? 1 : 0;
+  }
+}
 
 void check(const MotionDepthInput& input) {
   requireImage(input.prior_depth, CV_32FC1, input.camera, "prior_depth", "CV_32FC1");
@@ -292,24 +322,30 @@ void MotionDepth::measure(const MotionDepthInput& input, const MotionDepthInput:
     float* variance = state.variance.ptr<float>(row);
     auto* origin = state.origin.ptr<std::uint8_t>(row);
     const float* farthest = input.farthest.empty() ? nullptr : input.farthest.ptr<float>(row);
-    for (int column = 0; column < state.rho.cols; ++column) {
-      if (!limit.allows(flow[column], gaps[column])) continue;
-      Estimate estimate{rho[column], variance[column]};
-      const std::uint8_t found = epipolar.update(static_cast<float>(column), static_cast<float>(row),
-                                                 flow[column][0], flow[column][1], gaps[column], estimate);
-      const bool is_below = farthest != nullptr && estimate.rho * farthest[column] < 1.0F;
-      if (found == kMotion && is_below) {
-        // It moves along: a fresh start, for when it has passed.
-        estimate = startOf(input.prior_depth.at<float>(row, column), input.prior_std.at<float>(row, column));
-        rho[column] = estimate.rho;
-        variance[column] = estimate.variance;
-        origin[column] = kRefused;
-      } else if (found == kMotion) {
-        rho[column] = estimate.rho;
-        variance[column] = estimate.variance;
-        origin[column] = kMotion;
-      } else if (origin[column] == kMotion) {
-        origin[column] = kRefused;
+    MeasuredBlock block;
+    for (int begin = 0; begin < state.rho.cols; begin += MeasuredBlock::kPixels) {
+      const int count = std::min(MeasuredBlock::kPixels, state.rho.cols - begin);
+      measureBlock(epipolar, row, begin, count, flow[begin].val, gaps + begin, rho + begin, variance + begin,
+                   block);
+      for (int i = 0; i < count; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const int column = begin + i;
+        if (!limit.allows(flow[column], gaps[column])) continue;
+        const bool is_static = block.is_static[k] != 0;
+        if (is_static && farthest != nullptr && block.rho[k] * farthest[column] < 1.0F) {
+          // It moves along: a fresh start, for when it has passed.
+          const Estimate start =
+              startOf(input.prior_depth.ptr<float>(row)[column], input.prior_std.ptr<float>(row)[column]);
+          rho[column] = start.rho;
+          variance[column] = start.variance;
+          origin[column] = kRefused;
+        } else if (is_static) {
+          rho[column] = block.rho[k];
+          variance[column] = block.variance[k];
+          origin[column] = kMotion;
+        } else if (origin[column] == kMotion) {
+          origin[column] = kRefused;
+        }
       }
     }
   });
