@@ -6,8 +6,10 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
 #include <random>
 
+#include "radar_dot/vision/motion_depth.h"
 #include "radar_dot/vision/motion_segmentation.h"
 
 namespace radar_dot {
@@ -85,6 +87,37 @@ BENCHMARK(motionSegmenterByUncertainty)
     ->ArgName("threads")
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
+
+/// A street at 12 Hz on the grid of masks: carried, refined and measured at every pixel.
+void motionDepth(benchmark::State& state) {
+  MotionInput drive = street();
+  const cv::Size grid(640, 360);
+  MotionDepthInput input;
+  input.camera = drive.camera.scaledTo(grid.width, grid.height);
+  input.pixel_scale = 2.5;
+  cv::resize(drive.depth, input.prior_depth, grid, 0.0, 0.0, cv::INTER_NEAREST);
+  input.farthest = 1.3 * input.prior_depth;
+  input.prior_std = cv::Mat(grid, CV_32FC1, cv::Scalar(0.3));
+  MotionDepthInput::Step step;
+  step.T_current_from_previous.translation() = Eigen::Vector3d(0.02, 0.0, -0.8);
+  step.motion_covariance.diagonal() << 1e-5, 1e-5, 1e-5, 1e-4, 1e-4, 1e-4;
+  step.flow_back = expectedFlow(input.camera, step.T_current_from_previous.inverse(), input.prior_depth);
+  step.fb_error = cv::Mat(grid, CV_32FC1, cv::Scalar(0.2));
+  input.prior_depth *= 1.2;
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(state.range(0)));
+  MotionDepth filter;
+  bool measured = false;
+  for (auto _ : state) {
+    step.previous_time = input.time;
+    if (input.time > 0.0) input.step = step;
+    input.time += 0.08;
+    measured = filter.update(input).measured;
+    benchmark::DoNotOptimize(measured);
+  }
+  if (state.iterations() > 1 && !measured) state.SkipWithError("no depth is measured");
+}
+BENCHMARK(motionDepth)->Arg(1)->Arg(2)->ArgName("threads")->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 }  // namespace radar_dot

@@ -5,9 +5,10 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <limits>
 
 #include "report_format.h"
-#include "scene_depths.h"
+#include "scene_images.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -21,6 +22,17 @@ DepthSource sourceOf(const DepthEvaluationOptions& options) {
   return {options.depth, options.depth_input, isByLidar(options)};
 }
 
+/// What backend motion looks at, as a vehicle has it.
+SegmentationEvaluationOptions imageOptionsOf(const DepthEvaluationOptions& options) {
+  SegmentationEvaluationOptions images;
+  images.ego_velocity = options.ego_velocity;
+  images.optical_flow = options.optical_flow;
+  images.optical_flow.flow.working_width = options.depth.working_width;
+  images.segmentation.motion_uncertainty = options.motion_uncertainty;
+  images.rotation = RotationSource::kRadar;
+  return images;
+}
+
 std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
   const std::vector<Index> readings = tables.readingsOf(scene, options.camera);
   const std::string& name = tables.scenes[at(scene)].name;
@@ -31,7 +43,10 @@ std::vector<Index> imagesOf(const Tables& tables, Index scene, const DepthEvalua
   std::size_t missing = 0;
   for (const Index row : readings) {
     const dataset::SampleData& reading = tables.sample_data[at(row)];
-    if (!reading.is_key_frame || images.size() == wanted) continue;
+    const bool counts =
+        reading.is_key_frame &&
+        secondsOf(reading) >= secondsOf(tables.sample_data[at(readings.front())]) + options.after;
+    if (!counts || images.size() == wanted) continue;
     if (std::filesystem::exists(tables.path(reading)))
       images.push_back(row);
     else
@@ -54,6 +69,9 @@ void DepthEvaluationOptions::describe(FieldList& fields) {
   describeCamera(camera, fields);
   fields.add("max_images", max_images, "Number of images of each scene, the first ones; 0: all");
   fields.add("truth", truth, "What depth is compared with");
+  fields.add("after", after, "Images of the first seconds of a scene do not count", "s", {0.0, 1000.0});
+  fields.add("static_only", static_only,
+             "Pixels that move by themselves do not count; needs the ground truth of a simulated dataroot");
   describeRadarChannels(radar_channels, fields);
   depth_input.describe(fields);
 }
@@ -76,7 +94,8 @@ DepthReport evaluateDepth(const Tables& tables, Index scene, const DepthEvaluati
   const bool by_lidar = isByLidar(options);
   const std::vector<Index> images = imagesOf(tables, scene, options);
   const RadarScene radar = loadRadarScene(tables, scene, options.radar_channels, options.ego_velocity);
-  SceneDepths depths(tables, radar, sourceOf(options));
+  const SegmentationEvaluationOptions image_options = imageOptionsOf(options);
+  SceneImages depths(tables, radar, image_options, sourceOf(options));
   DepthReport report;
   report.scene = tables.scenes[at(scene)].name;
   for (const Index row : images) {
@@ -85,8 +104,12 @@ DepthReport evaluateDepth(const Tables& tables, Index scene, const DepthEvaluati
       continue;
     }
     depths.keepOnly(row);
-    report.errors.add(depths.depthOf(row), by_lidar ? depths.heldOutDepth(row) : depths.trueDepth(row),
-                      depths.relativeStdOf(row));
+    cv::Mat truth = by_lidar ? depths.heldOutDepth(row) : depths.trueDepth(row);
+    if (options.static_only) {
+      truth = truth.clone();
+      truth.setTo(std::numeric_limits<double>::quiet_NaN(), depths.trueMovers(row));
+    }
+    report.errors.add(depths.depthOf(row), truth, depths.relativeStdOf(row));
     ++report.images;
   }
   return report;

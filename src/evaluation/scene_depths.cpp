@@ -77,7 +77,7 @@ SceneDepths::SceneDepths(const dataset::Tables& tables, const RadarScene& radar,
 }
 
 void SceneDepths::keepOnly(Index row) {
-  for (std::map<Index, cv::Mat>* kept : {&pictures_, &depths_, &true_depths_}) {
+  for (std::map<Index, cv::Mat>* kept : {&pictures_, &depths_, &stds_, &true_depths_}) {
     for (auto entry = kept->begin(); entry != kept->end();)
       entry = entry->first == row ? std::next(entry) : kept->erase(entry);
   }
@@ -170,6 +170,28 @@ std::vector<Eigen::Vector3f> SceneDepths::lidarPoints(Index row, LidarPart part)
   return points;
 }
 
+/// Depth of an image by an estimator that sees all images in the order of time: those since the last one
+/// first.
+void SceneDepths::followTo(Index row) {
+  std::vector<Index> images;  // backward
+  Index image = row;
+  for (; image != dataset::kNone && image != followed_ && fs::exists(tables_.path(reading(image)));
+       image = reading(image).previous)
+    images.push_back(image);
+  Index previous = image == followed_ ? followed_ : dataset::kNone;
+  for (auto next = images.rbegin(); next != images.rend(); ++next) {
+    DepthInput input = inputOf(*next);
+    if (previous != dataset::kNone) input.step = stepTo(previous, *next);
+    const cv::Mat depth = depth_->estimate(input);
+    if (*next == row) {
+      depths_[row] = depth;
+      stds_[row] = depth_->relativeStd(input, depth);
+    }
+    pictures_.erase(previous);
+    previous = followed_ = *next;
+  }
+}
+
 cv::Mat SceneDepths::computeDepth(Index row) {
   if (!file_source_) return depth_->estimate(inputOf(row));
   switch (*file_source_) {
@@ -184,6 +206,8 @@ cv::Mat SceneDepths::computeDepth(Index row) {
 DepthInput SceneDepths::inputOf(Index row) {
   DepthInput input;
   input.camera = gridOf(row);
+  input.pixel_scale = static_cast<double>(reading(row).width) / input.camera.width;
+  input.time = secondsOf(reading(row));
   input.T_base_from_camera = mountOf(reading(row));
   const DepthNeeds needs = depth_->needs();
   if (needs.image) input.image = imageOf(row);
@@ -195,6 +219,7 @@ DepthInput SceneDepths::inputOf(Index row) {
 
 cv::Mat SceneDepths::relativeStdOf(Index row) {
   const cv::Mat& depth = depthOf(row);
+  if (follows()) return stds_[row];
   if (!file_source_) return depth_->relativeStd(inputOf(row), depth);
   switch (*file_source_) {
     case FileSource::kGroundTruth: return constantStd(depth, kTrueDepthStd);
@@ -206,7 +231,11 @@ cv::Mat SceneDepths::relativeStdOf(Index row) {
 
 const cv::Mat& SceneDepths::depthOf(Index row) {
   cv::Mat& depth = depths_[row];
-  if (depth.empty()) depth = computeDepth(row);
+  if (depth.empty() && follows()) {
+    followTo(row);
+  } else if (depth.empty()) {
+    depth = computeDepth(row);
+  }
   return depth;
 }
 

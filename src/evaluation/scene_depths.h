@@ -44,6 +44,8 @@ class SceneDepths {
   /// Tables and radar must outlive it. @throws std::invalid_argument for an invalid source.
   SceneDepths(const dataset::Tables& tables, const RadarScene& radar, const DepthSource& source);
 
+  virtual ~SceneDepths() = default;
+
   /// Forgets the other images.
   void keepOnly(dataset::Index row);
 
@@ -69,6 +71,10 @@ class SceneDepths {
   cv::Mat heldOutDepth(dataset::Index row) const;
 
  protected:
+  /// How an image follows from the one before, for depth that needs it; none where that is not known.
+  virtual std::optional<MotionDepthInput::Step> stepTo(dataset::Index /*previous*/, dataset::Index /*row*/) {
+    return std::nullopt;
+  }
   std::filesystem::path truthFile(const std::string& folder, dataset::Index row) const;
   cv::Size sizeOf(dataset::Index row) const;
   /// True pose of the base at `end`, in its frame at `begin`.
@@ -80,6 +86,8 @@ class SceneDepths {
   enum class LidarPart { kAll, kSeen, kHeldOut };
   cv::Mat computeDepth(dataset::Index row);
   DepthInput inputOf(dataset::Index row);  // of the estimator
+  bool follows() const { return depth_ && depth_->needs().motion; }
+  void followTo(dataset::Index row);
   bool seesRadar(const std::string& channel) const;
   std::vector<Eigen::Vector3f> radarPoints(double time) const;
   const dataset::SampleData* lidarOf(dataset::Index row) const;
@@ -91,6 +99,8 @@ class SceneDepths {
   std::optional<FileSource> file_source_;  // none: the estimator
   std::unique_ptr<DepthEstimator> depth_;
   std::map<dataset::Index, cv::Mat> pictures_, depths_, true_depths_;
+  std::map<dataset::Index, cv::Mat> stds_;    // of depths_, by an estimator that follows images
+  dataset::Index followed_ = dataset::kNone;  // the latest image it has seen
 };
 
 }  // namespace radar_dot::evaluation

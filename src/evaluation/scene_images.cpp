@@ -77,7 +77,12 @@ std::optional<ImagePair> previousPair(const dataset::Tables& tables, const Image
 
 SceneImages::SceneImages(const dataset::Tables& tables, const RadarScene& radar,
                          const SegmentationEvaluationOptions& options)
-    : SceneDepths(tables, radar, depthSourceOf(options)),
+    : SceneImages(tables, radar, options, depthSourceOf(options)) {}
+
+SceneImages::SceneImages(const dataset::Tables& tables, const RadarScene& radar,
+                         const SegmentationEvaluationOptions& options, const DepthSource& depth)
+    : SceneDepths(tables, radar, depth),
+      radar_(radar),
       options_(options),
       file_source_(fileSourceOf(options.optical_flow.flow.backend)) {
   if (file_source_ == FileSource::kFiles && options.pairs.flow_directory.empty()) {
@@ -112,6 +117,36 @@ const FlowField& SceneImages::trueFlow(const ImagePair& pair) {
 
 cv::Mat SceneImages::trueMovers(Index row) const {
   return resizeNearest(readGrey(truthFile("motion", row)), sizeOf(row));
+}
+
+std::optional<MotionDepthInput::Step> SceneImages::stepTo(Index previous, Index row) {
+  const double begin = secondsOf(reading(previous)), end = secondsOf(reading(row));
+  if (!motion_) {
+    motion_.emplace(radar_, options_);
+    OpticalFlowParams params = options_.optical_flow.flow;
+    if (file_source_) params.backend = OpticalFlowParams().backend;
+    params.initialisation = FlowStart::kNone;
+    params.forward_backward = true;
+    flow_back_ = makeOpticalFlow(params);
+  }
+  motion_->advanceTo(end);
+  std::optional<Eigen::Isometry3d> motion = motion_->between(begin, end, options_.segmentation.max_twist_age);
+  const bool true_rotation = options_.rotation == RotationSource::kGroundTruth;
+  const bool true_velocity = options_.velocity == VelocitySource::kGroundTruth;
+  if (true_velocity && true_rotation) motion = trueMotion({previous, row});
+  if (!motion) return std::nullopt;
+  if (true_velocity) motion->translation() = trueMotion({previous, row}).translation();
+  MotionDepthInput::Step step;
+  step.previous_time = begin;
+  step.T_current_from_previous = staticPointMotion(mountOf(reading(row)), *motion);
+  const MotionUncertainty uncertainty =
+      motionUncertainty(options_.segmentation.motion_uncertainty, motion_->covariance(), true_rotation);
+  step.motion_covariance =
+      cameraCovariance(mountOf(reading(row)), baseMotionCovariance(uncertainty, end - begin));
+  const FlowField field = flow_back_->compute(imageOf(row), imageOf(previous));
+  step.flow_back = field.flow;
+  step.fb_error = field.fb_error;
+  return step;
 }
 
 FlowField SceneImages::flowOf(const ImagePair& pair, const Eigen::Isometry3d& T_first_from_second) {

@@ -12,6 +12,7 @@
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "radar_scene.h"
 #include "scene_depths.h"
+#include "scene_motion.h"
 
 namespace radar_dot::evaluation {
 
@@ -35,6 +36,8 @@ class SceneImages : public SceneDepths {
   /// All three must outlive it. @throws std::invalid_argument for invalid options.
   SceneImages(const dataset::Tables& tables, const RadarScene& radar,
               const SegmentationEvaluationOptions& options);
+  SceneImages(const dataset::Tables& tables, const RadarScene& radar,
+              const SegmentationEvaluationOptions& options, const DepthSource& depth);
 
   /// Forgets all but what the pair shares with the one before.
   void begin(const ImagePair& pair);
@@ -51,10 +54,17 @@ class SceneImages : public SceneDepths {
   /// @throws dataset::DatasetError naming the file.
   cv::Mat trueMovers(dataset::Index row) const;
 
+ protected:
+  /// By the backward flow, and the motion that a vehicle knows at the image.
+  std::optional<MotionDepthInput::Step> stepTo(dataset::Index previous, dataset::Index row) override;
+
  private:
+  const RadarScene& radar_;
   const SegmentationEvaluationOptions& options_;
   std::optional<FileSource> file_source_;  // none: the estimator
   std::unique_ptr<OpticalFlow> flow_;
+  std::unique_ptr<OpticalFlow> flow_back_;  // of steps
+  std::optional<SceneMotion> motion_;       // of steps
   FlowField true_flow_;
   dataset::Index true_flow_of_ = dataset::kNone;  // the first image
 };

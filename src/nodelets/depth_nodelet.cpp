@@ -16,6 +16,8 @@ namespace {
 
 std::unique_ptr<DepthEstimator> estimatorOf(const DepthParams& params) {
   const auto& network = params.network;
+  if (params.backend == kMotionBackend)
+    throw InvalidParameter({"depth_backend"}, "depth_backend motion is for evaluation so far");
   return made(params, {&params.backend, &network.model, &network.device, &network.threads},
               makeDepthEstimator);
 }

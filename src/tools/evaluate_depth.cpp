@@ -18,12 +18,15 @@ int main(int argc, char** argv) {
        "evaluate_depth --dataroot /data/nuscenes --config config/nuscenes.yaml --depth-backend lidar --truth "
        "lidar"});
   evaluator.command_line.add("", fieldsOf(evaluator.configuration.depth));
+  evaluator.command_line.add("", fieldsOf(evaluator.configuration.optical_flow.flow));
   evaluator.command_line.add("", fieldsOf(evaluator.configuration.ego_velocity), tools::onlyGroup("Returns"));
   evaluator.command_line.require(evaluator.dataroot());
   return evaluator.run(argc, argv, [&evaluator] {
     evaluation::DepthEvaluationOptions& options = evaluator.options;
     options.ego_velocity = evaluator.configuration.ego_velocity;
     options.depth = evaluator.configuration.depth;
+    options.optical_flow = evaluator.configuration.optical_flow;
+    options.motion_uncertainty = evaluator.configuration.dynamic_segmentation.motion_uncertainty;
     validate(options);
     evaluation::checkBackend(options.depth.depth);
     const auto [scenes, overall] = evaluator.scenes(

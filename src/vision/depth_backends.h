@@ -11,6 +11,9 @@ namespace radar_dot {
 /// Ground plane, radar returns as upright columns, and a background in their directions.
 std::unique_ptr<DepthEstimator> makeRadarGroundDepth(const DepthParams& params);
 
+/// MotionDepth from radar_ground on.
+std::unique_ptr<DepthEstimator> makeMotionDepth(const DepthParams& params);
+
 /// A projected lidar sweep, its gaps closed.
 std::unique_ptr<DepthEstimator> makeLidarDepth(const DepthParams& params);
 

@@ -20,7 +20,9 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 using Registry = BackendRegistry<DepthEstimatorFactory>;
 
 Registry& registry() {
-  static Registry instance("depth", {{"lidar", makeLidarDepth}, {kRadarGroundBackend, makeRadarGroundDepth}});
+  static Registry instance("depth", {{"lidar", makeLidarDepth},
+                                     {kMotionBackend, makeMotionDepth},
+                                     {kRadarGroundBackend, makeRadarGroundDepth}});
   return instance;
 }
 

@@ -112,7 +112,7 @@ class Refiner {
 
 void Refiner::collect() {
   const CameraIntrinsics& camera = input_.camera;
-  const int stride = std::max(1, static_cast<int>(std::lround(params_.stride / input_.pixel_scale)));
+  const int stride = strideOf(params_, input_.pixel_scale);
   const double flow_std = noise_.flow_std / input_.pixel_scale;
   for (int v = stride / 2; v < camera.height; v += stride) {
     for (int u = stride / 2; u < camera.width; u += stride) {
@@ -267,6 +267,10 @@ MotionUncertainty motionUncertainty(const MotionUncertainty& configured,
   widen(kVertical, uncertainty.vertical_velocity_std);
   if (!has_rotation) widen(kYaw, uncertainty.yaw_rate_std);
   return uncertainty;
+}
+
+int strideOf(const RefinementParams& params, double pixel_scale) {
+  return std::max(1, static_cast<int>(std::lround(params.stride / pixel_scale)));
 }
 
 RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundPlane>& ground,

@@ -57,6 +57,27 @@ TEST_F(DepthEvaluation, BackendsDiffer) {
   EXPECT_NEAR(radar.meanAbsoluteError(), 4.6, 0.7);
 }
 
+// Keyframes and the image after each: half a second lies before a keyframe, and nothing is followed.
+TEST_F(DepthEvaluation, MotionAtALowRateIsItsPrior) {
+  const DepthReport motion = evaluate("motion", DepthTruth::kGroundTruth);
+  const DepthReport prior = evaluate("radar_ground", DepthTruth::kGroundTruth);
+  EXPECT_EQ(motion.images, prior.images);
+  EXPECT_NEAR(motion.errors.within[2].meanAbsoluteError(), prior.errors.within[2].meanAbsoluteError(), 1e-4);
+  EXPECT_EQ(motion.errors.within[2].coverage(), 1.0);
+}
+
+TEST_F(DepthEvaluation, StaticPixelsAfterATime) {
+  DepthEvaluationOptions options;
+  options.depth.depth.backend = "ground_truth";
+  const DepthReport all = evaluateDepth(dataroot_->tables(), 0, options);
+  options.static_only = true;
+  const DepthReport still = evaluateDepth(dataroot_->tables(), 0, options);
+  EXPECT_EQ(still.images, all.images);
+  EXPECT_LT(still.errors.within[0].true_pixels, all.errors.within[0].true_pixels);  // oncoming cars
+  options.after = 1.0;
+  EXPECT_EQ(evaluateDepth(dataroot_->tables(), 0, options).images, all.images - 2);
+}
+
 // No scan is as near to its image as a millisecond: what stands on the ground is not known any more.
 TEST_F(DepthEvaluation, RadarCountsWithinItsAge) {
   DepthEvaluationOptions options;

@@ -218,7 +218,7 @@ TEST(DepthEstimator, BackendsPlugInByName) {
   DepthParams params;
   params.backend = "wall";
   EXPECT_FLOAT_EQ(makeDepthEstimator(params)->estimate(input()).at<float>(5, 5), 8.0F);
-  EXPECT_EQ(depthBackends(), (std::vector<std::string>{"lidar", "radar_ground", "wall"}));
+  EXPECT_EQ(depthBackends(), (std::vector<std::string>{"lidar", "motion", "radar_ground", "wall"}));
   EXPECT_THROW(registerDepthEstimator("", [](const DepthParams&) { return std::make_unique<Wall>(); }),
                std::invalid_argument);
 }

@@ -21,12 +21,16 @@ struct DepthEvaluationOptions {
   /// Both depths are on the grid of its working_width. The sigmas of the sources that are no backends:
   /// kTrueDepthStd of ground_truth, noisyDepthStd of noisy, and relative_std of files.
   DepthConfig depth;
-  EgoVelocityConfig ego_velocity;  ///< which returns depth sees
+  EgoVelocityConfig ego_velocity;        ///< which returns depth sees, and with backend motion the velocity
+  OpticalFlowConfig optical_flow;        ///< of backend motion, on the same grid
+  MotionUncertainty motion_uncertainty;  ///< for backend motion
   DepthInputOptions depth_input;
   std::vector<std::string> radar_channels;
   std::string camera = "CAM_FRONT";
   std::size_t max_images = 0;
   DepthTruth truth = DepthTruth::kGroundTruth;
+  double after = 0.0;
+  bool static_only = false;
 
   /// Those that are in no section of a configuration file.
   void describe(FieldList& fields);

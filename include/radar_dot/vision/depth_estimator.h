@@ -7,12 +7,14 @@
 #include <functional>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "radar_dot/common/fields.h"
 #include "radar_dot/vision/camera_intrinsics.h"
 #include "radar_dot/vision/lidar_depth.h"
+#include "radar_dot/vision/motion_depth.h"
 #include "radar_dot/vision/network_params.h"
 #include "radar_dot/vision/radar_ground_depth.h"
 #include "radar_dot/vision/shared_fields.h"
@@ -24,18 +26,25 @@ struct DepthInput {
   cv::Mat image;            ///< CV_8UC3 (BGR) or CV_8UC1 of the camera, any size; may be empty
   CameraIntrinsics camera;  ///< of the grid that depth is wanted on
   Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();
-  std::vector<Eigen::Vector3f> radar_points;  ///< m, base frame, at the time of the image
-  std::vector<Eigen::Vector3f> lidar_points;  ///< m, base frame, at the time of the image
+  std::vector<Eigen::Vector3f> radar_points;   ///< m, base frame, at the time of the image
+  std::vector<Eigen::Vector3f> lidar_points;   ///< m, base frame, at the time of the image
+  double pixel_scale = 1.0;                    ///< px of the full image per px of the grid
+  double time = 0.0;                           ///< s, of the image
+  std::optional<MotionDepthInput::Step> step;  ///< from the image before; none: a first image
 };
 
 /// The parts of DepthInput that an estimator looks at, besides the camera.
 struct DepthNeeds {
   bool image = false, radar = false, lidar = false;
   bool trained_radars_only = false;  ///< of the radars those that a network was trained with
+  bool motion = false;               ///< `step`, and every image in the order of time
 };
 
 /// The backend that draws the ground plane.
 inline constexpr const char* kRadarGroundBackend = "radar_ground";
+/// The backend MotionDepth with radar_ground as its prior, which it shows where what is seen is no static
+/// point.
+inline constexpr const char* kMotionBackend = "motion";
 
 /// Parameters of makeDepthEstimator: which backend, and what each takes.
 struct DepthParams {
@@ -43,16 +52,17 @@ struct DepthParams {
   double max_depth = 120.0;
   double relative_std = 0.1;
   RadarGroundParams radar_ground;
+  MotionDepthParams motion;
   LidarParams lidar;
   NetworkParams network;  ///< torch: with JustDepth's signature, see just_depth.h
 
   void describe(FieldList& fields) {
     fields.group("Depth");
-    fields.add(
-        "depth_backend", backend,
-        "radar_ground: ground plane and radar returns; lidar: completed lidar sweep; torch: a network; or a "
-        "registered one. Depth also takes topic: an external depth on depth/input. Evaluators also take "
-        "ground_truth, noisy (ground truth with the errors of a network) and files");
+    fields.add("depth_backend", backend,
+               "radar_ground: ground plane and radar returns; motion: parallax of consecutive images, from "
+               "radar_ground on; lidar: completed lidar sweep; torch: a network; or a registered one. "
+               "Depth also takes topic: an external depth on depth/input. Evaluators also take "
+               "ground_truth, noisy (ground truth with the errors of a network) and files");
     describeMaxDepth(max_depth, fields);
     fields.add(
         "relative_std", relative_std,
@@ -60,6 +70,7 @@ struct DepthParams {
         "", {1e-6, 10.0});
     fields.group("RadarGround");
     radar_ground.describe(fields);
+    motion.describe(fields);
     fields.group("Lidar");
     lidar.describe(fields);
     fields.group("Network");

@@ -61,6 +61,10 @@ struct RefinementParams {
   }
 };
 
+/// Of the pixels of a grid that are used, from the half of it on. @param pixel_scale  px of the full image
+/// per px of the grid
+int strideOf(const RefinementParams& params, double pixel_scale);
+
 /// The ground plane that a part of MotionInput::depth shows (groundDepth), and how well it is known. The
 /// relative error of its depth overrides MotionInput::depth_std; pitch and height are separate because they
 /// are estimated.
