@@ -194,11 +194,17 @@ std::optional<MaskOutcome> SceneRunner::process(const ImagePair& pair, Segmentat
 }
 
 void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, SegmentationReport& report) {
-  const std::optional<ImagePair> before =
-      segmentation().usesBackwardFlow() ? previousPair(tables_, pair, options_.pairs.pairs) : std::nullopt;
-  if (before && (latest_.first != before->first || latest_.second != before->second)) {
-    SegmentationReport not_counted;
-    process(*before, not_counted);
+  // What a vehicle has seen since the pair before, or from the begin on.
+  std::vector<ImagePair> unseen;
+  for (std::optional<ImagePair> before = pair; segmentation().usesBackwardFlow();) {
+    before = previousPair(tables_, *before, options_.pairs.pairs);
+    if (!before || (latest_.first == before->first && latest_.second == before->second)) break;
+    unseen.push_back(*before);
+  }
+  SegmentationReport not_counted;
+  while (!unseen.empty()) {
+    process(unseen.back(), not_counted);
+    unseen.pop_back();
   }
   const CameraIntrinsics grid = images_.gridOf(pair.first);
   ++report.frames;

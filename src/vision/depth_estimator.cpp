@@ -94,6 +94,14 @@ cv::Mat groundRelativeStd(const CameraIntrinsics& camera, const Eigen::Isometry3
   return stds;
 }
 
+cv::Mat farthestGround(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
+                       const GroundParams& ground) {
+  const cv::Mat depth = groundDepth(camera, T_base_from_camera, ground.height, ground.pitch,
+                                    std::numeric_limits<double>::infinity());
+  const cv::Mat share = 1.0 - 2.0 * groundRelativeStd(camera, T_base_from_camera, ground);
+  return depth / cv::max(share, 1e-3);
+}
+
 cv::Mat projectedDepth(const std::vector<Eigen::Vector3f>& points_base, const CameraIntrinsics& camera,
                        const Eigen::Isometry3d& T_base_from_camera, double max_depth) {
   const Eigen::Isometry3d T_camera_from_base = T_base_from_camera.inverse();

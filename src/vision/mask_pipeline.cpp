@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "radar_dot/vision/motion_history.h"
+#include "radar_dot/vision/return_reach.h"
 #include "radar_dot/vision/rigid_motion.h"
 
 namespace radar_dot {
@@ -21,6 +22,13 @@ bool sameScores(MaskPipelineParams a, const MaskPipelineParams& b) {
   a.memory = b.memory;
   a.radar_min_residual = b.radar_min_residual;
   return sameFields(a, b);
+}
+
+/// The motion is refined by the pairs themselves.
+MotionDepthParams followed() {
+  MotionDepthParams params;
+  params.refine = false;
+  return params;
 }
 
 /// The only place that says which dynamic returns may raise a score: those that a mask alone called dynamic
@@ -52,6 +60,10 @@ void MaskPipelineParams::describe(FieldList& fields) {
   ground.describe(fields);
   refinement.describe(fields);
   fields.group("History");
+  fields.add(
+      "motion_depth", motion_depth,
+      "Where nothing speaks for a mover, depth is followed from image to image and measured by the parallax "
+      "of the vehicle's motion; needs the backward flow (score uncertainty)");
   fields.add("look_back", look_back,
              "Score the first image against the previous image as well; needs the backward flow "
              "(forward_backward; score uncertainty)");
@@ -67,7 +79,8 @@ void validate(const MaskPipelineParams& params) {
   validate(params.motion);
 }
 
-MaskPipeline::MaskPipeline(const MaskPipelineParams& params) : params_(params), segmenter_(params.motion) {}
+MaskPipeline::MaskPipeline(const MaskPipelineParams& params)
+    : params_(params), segmenter_(params.motion), depth_(followed()) {}
 
 void MaskPipeline::configure(const MaskPipelineParams& params) {
   if (!sameFields(params_.motion, params.motion)) segmenter_ = MotionSegmenter(params.motion);
@@ -78,6 +91,7 @@ void MaskPipeline::configure(const MaskPipelineParams& params) {
 void MaskPipeline::clear() {
   backward_.clear();
   previous_.reset();
+  depth_.clear();
 }
 
 void MaskPipeline::addBackward(double from, double to, const FlowField& flow) {
@@ -150,6 +164,35 @@ cv::Mat MaskPipeline::beliefFor(const MaskPair& pair, const FlowField* backward)
                        forgetting(pair.first_time - previous_->first_time, params_.memory));
 }
 
+/// Takes the followed depth where it was measured, and neither radar nor an earlier mask speaks for a mover:
+/// on what moves along with the epipolar line it is wrong, and sure of itself.
+void MaskPipeline::followDepth(const MaskPair& pair, const FlowField* backward, const cv::Mat& belief,
+                               MotionInput& input) {
+  MotionDepthInput seen{
+      pair.camera, pair.pixel_scale, pair.first_time,
+      input.depth, input.depth_std,  farthestGround(pair.camera, pair.T_base_from_camera, params_.ground),
+      {}};
+  if (seen.prior_std.empty())
+    seen.prior_std =
+        cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(params_.motion.uncertainty.noise.depth_std));
+  if (backward != nullptr && !backward->fb_error.empty()) {
+    seen.step =
+        MotionDepthInput::Step{previous_->first_time, previous_->input.T_current_from_previous,
+                               previous_->input.motion_covariance, backward->flow, backward->fb_error};
+  }
+  const MotionDepthResult followed = depth_.update(seen);
+  if (!followed.followed) return;
+  cv::Mat is_static = followed.origin == static_cast<int>(DepthOrigin::kMotion);
+  cv::Mat returns = cv::Mat::zeros(is_static.size(), CV_8UC1);
+  drawReturns(pair.camera, input.dynamic_points, params_.motion.radar, 255, returns);
+  is_static.setTo(0, returns);
+  if (!belief.empty()) is_static.setTo(0, belief > 0.0);
+  input.depth = input.depth.clone();
+  followed.depth.copyTo(input.depth, is_static);
+  input.depth_std = seen.prior_std.clone();
+  followed.relative_std.copyTo(input.depth_std, is_static);
+}
+
 void MaskPipeline::remember(const MaskPair& pair, const MaskOutcome& outcome) {
   previous_ = Previous{pair.first_time, pair.second_time, outcome.input, logOdds(outcome.result)};
   MotionInput& input = previous_->input;
@@ -167,10 +210,11 @@ MaskOutcome MaskPipeline::process(const MaskPair& pair) {
   input = inputOf(pair);
   if (params_.refine) refine(pair, input);
   const FlowField* backward = backwardTo(pair);
+  if (params_.remembers()) input.belief = beliefFor(pair, backward);
+  if (params_.followsDepth()) followDepth(pair, backward, input.belief, input);
   std::optional<MotionInput> before;
   if (params_.looksBack() && backward != nullptr)
     before = previousPairFromFirst(input, previous_->input, backward->flow, backward->fb_error);
-  if (params_.remembers()) input.belief = beliefFor(pair, backward);
   outcome.looked_back = before.has_value();
   outcome.result = segmenter_.segment(input, before ? &*before : nullptr);
   if (params_.usesBackwardFlow()) remember(pair, outcome);

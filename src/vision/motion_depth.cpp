@@ -189,8 +189,9 @@ class MotionDepthEstimator : public DepthEstimator {
   cv::Mat estimate(const DepthInput& input) override {
     const cv::Mat prior = prior_->estimate(input);
     const cv::Mat prior_std = prior_->relativeStd(input, prior);
-    MotionDepthResult result = filter_.update(
-        {input.camera, input.pixel_scale, input.time, prior, prior_std, farthest(input), input.step});
+    MotionDepthResult result =
+        filter_.update({input.camera, input.pixel_scale, input.time, prior, prior_std,
+                        farthestGround(input.camera, input.T_base_from_camera, ground_), input.step});
     const cv::Mat refused = result.origin == kRefused;
     prior.copyTo(result.depth, refused);
     prior_std.copyTo(result.relative_std, refused);
@@ -209,14 +210,6 @@ class MotionDepthEstimator : public DepthEstimator {
   }
 
  private:
-  /// Of the ground at two sigmas.
-  cv::Mat farthest(const DepthInput& input) const {
-    cv::Mat depth = groundDepth(input.camera, input.T_base_from_camera, ground_.height, ground_.pitch,
-                                std::numeric_limits<double>::infinity());
-    cv::Mat share = 1.0 - 2.0 * groundRelativeStd(input.camera, input.T_base_from_camera, ground_);
-    return depth / cv::max(share, 1e-3);
-  }
-
   std::unique_ptr<DepthEstimator> prior_;
   MotionDepth filter_;
   GroundParams ground_;

@@ -26,10 +26,6 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// m of the footprint of a radar return, below and above it: radars look at bumpers and grilles.
-constexpr float kFootprintBelow = 0.5F;
-constexpr float kFootprintAbove = 1.5F;
-
 void requireInput(bool good, const char* name, double value, const char* wanted) {
   if (!good)
     throw std::invalid_argument(
@@ -121,8 +117,6 @@ struct MotionSegmenter::Workspace {
 
   double medianDepth(const MotionInput& input, float max_depth);
   void drawFootprints(const MotionInput& input, const RadarEvidenceParams& params);
-  void drawFootprints(const CameraIntrinsics& camera, const std::vector<Eigen::Vector3f>& points,
-                      const RadarEvidenceParams& params, std::uint8_t value);
   double score(const MotionInput& input, const PassConstants& pass, cv::Mat& scores);
   void addPairBefore(double scale_ratio);
   void addBelief(const cv::Mat& belief);
@@ -149,34 +143,14 @@ double MotionSegmenter::Workspace::medianDepth(const MotionInput& input, float m
       medianOf(input.depth, sum, sum.finiteCount(), local_candidates, candidates, known));
 }
 
-void MotionSegmenter::Workspace::drawFootprints(const CameraIntrinsics& camera,
-                                                const std::vector<Eigen::Vector3f>& points,
-                                                const RadarEvidenceParams& params, std::uint8_t value) {
-  std::vector<Eigen::Vector2f> places;
-  for (const Eigen::Vector3f& point : points) places.emplace_back(point.x(), point.z());
-  const std::vector<float> reaches = reachesOf(places, static_cast<float>(params.radius));
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3f& point = points[i];
-    if (!(point.z() > 0.1F) || !point.allFinite()) continue;
-    const float half_width = std::max(reaches[i], static_cast<float>(params.azimuth_std) * point.norm());
-    const auto corner = [&](float right, float down) {
-      const Eigen::Vector2d pixel =
-          camera.project((point + Eigen::Vector3f(right, down, 0.0F)).cast<double>());
-      // Far outside is outside; the conversion to int must not overflow.
-      return cv::Point(static_cast<int>(std::lround(std::clamp(pixel.x(), -1e5, 1e5))),
-                       static_cast<int>(std::lround(std::clamp(pixel.y(), -1e5, 1e5))));
-    };
-    cv::rectangle(footprints, corner(-half_width, -kFootprintAbove), corner(half_width, kFootprintBelow),
-                  cv::Scalar(value), cv::FILLED);
-  }
-}
-
 void MotionSegmenter::Workspace::drawFootprints(const MotionInput& input, const RadarEvidenceParams& params) {
   footprints.create(input.camera.height, input.camera.width, CV_8UC1);
   footprints.setTo(0);
-  if (params.static_gain > 0.0) drawFootprints(input.camera, input.static_points, params, kStaticReturn);
+  if (params.static_gain > 0.0)
+    drawReturns(input.camera, input.static_points, params, kStaticReturn, footprints);
   // Over the others: one that moves before a wall counts.
-  if (params.dynamic_gain > 0.0) drawFootprints(input.camera, input.dynamic_points, params, kDynamicReturn);
+  if (params.dynamic_gain > 0.0)
+    drawReturns(input.camera, input.dynamic_points, params, kDynamicReturn, footprints);
 }
 
 /// Fills `scores`, and `sum`. @return their median; 0 where all pixels are excluded

@@ -3,12 +3,18 @@
 #include "radar_dot/vision/return_reach.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <opencv2/imgproc.hpp>
 
 namespace radar_dot {
 namespace {
 
 constexpr float kSparse = 3.0F;  // returns within the reach, itself included, that all have it whole
+
+// m of the footprint of a radar return, below and above it: radars look at bumpers and grilles.
+constexpr float kFootprintBelow = 0.5F;
+constexpr float kFootprintAbove = 1.5F;
 
 }  // namespace
 
@@ -30,6 +36,27 @@ std::vector<float> reachesOf(const std::vector<Eigen::Vector2f>& places, float r
   }
   for (const std::size_t i : order) reaches[i] *= std::min(1.0F, kSparse / counts[i]);
   return reaches;
+}
+
+void drawReturns(const CameraIntrinsics& camera, const std::vector<Eigen::Vector3f>& points,
+                 const RadarEvidenceParams& params, std::uint8_t value, cv::Mat& footprints) {
+  std::vector<Eigen::Vector2f> places;
+  for (const Eigen::Vector3f& point : points) places.emplace_back(point.x(), point.z());
+  const std::vector<float> reaches = reachesOf(places, static_cast<float>(params.radius));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f& point = points[i];
+    if (!(point.z() > 0.1F) || !point.allFinite()) continue;
+    const float half_width = std::max(reaches[i], static_cast<float>(params.azimuth_std) * point.norm());
+    const auto corner = [&](float right, float down) {
+      const Eigen::Vector2d pixel =
+          camera.project((point + Eigen::Vector3f(right, down, 0.0F)).cast<double>());
+      // Far outside is outside; the conversion to int must not overflow.
+      return cv::Point(static_cast<int>(std::lround(std::clamp(pixel.x(), -1e5, 1e5))),
+                       static_cast<int>(std::lround(std::clamp(pixel.y(), -1e5, 1e5))));
+    };
+    cv::rectangle(footprints, corner(-half_width, -kFootprintAbove), corner(half_width, kFootprintBelow),
+                  cv::Scalar(value), cv::FILLED);
+  }
 }
 
 }  // namespace radar_dot

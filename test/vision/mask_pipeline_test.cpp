@@ -90,6 +90,30 @@ TEST(MaskPipeline, RemembersThePreviousMask) {
   EXPECT_EQ(cv::countNonZero(secondOf(forgetful, 0.0F).result.mask), 0);
 }
 
+// The wall is said to be twice as far as it is; the flow tells.
+TEST(MaskPipeline, FollowsDepthWhereNothingSpeaksForAMover) {
+  MaskPipelineParams params = Drive::params();
+  params.motion_depth = true;
+  params.use_depth_uncertainty = true;
+  MaskPipeline pipeline(params);
+  MaskOutcome outcome;
+  for (int image = 0; image < 8; ++image) {
+    MaskPair pair = Drive::pair(image, image + 1);
+    pair.depth = 2.0 * pair.depth;
+    pair.depth_std = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(0.5));
+    CloudPoint mover;
+    mover.position = {1.5F + 21.0F - static_cast<float>(image), 3.0F, 1.0F};  // left half of the image
+    pair.dynamic_points = {mover};
+    outcome = pipeline.process(pair);
+    FlowField back = Drive::pair(image + 1, image).flow;
+    back.fb_error = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(0.1));
+    pipeline.addBackward(kStep * (image + 1), kStep * image, back);
+  }
+  EXPECT_NEAR(outcome.input.depth.at<float>(20, 130), 14.0F, 0.7F);
+  EXPECT_LT(outcome.input.depth_std.at<float>(20, 130), 0.2F);
+  EXPECT_NEAR(outcome.input.depth.at<float>(65, 26), 28.0F, 1e-3F) << "in the footprint of a dynamic return";
+}
+
 // Flow from the later image to the earlier leads to the previous mask by itself.
 TEST(MaskPipeline, FlowThatRunsBackCarriesTheMemoryItself) {
   MaskPipelineParams params = Drive::params();

@@ -56,4 +56,8 @@ cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_b
 cv::Mat groundRelativeStd(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
                           const GroundParams& ground);
 
+/// m, of the ground at two sigmas: nothing that stands on it is farther. NaN at and above the horizon.
+cv::Mat farthestGround(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
+                       const GroundParams& ground);
+
 }  // namespace radar_dot

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "radar_dot/vision/motion_depth.h"
 #include "radar_dot/vision/motion_refinement.h"
 #include "radar_dot/vision/motion_segmentation.h"
 #include "radar_dot/vision/optical_flow.h"
@@ -26,6 +27,7 @@ struct MaskPipelineParams {
   bool refine_ground = false;
   GroundParams ground;
   RefinementParams refinement;
+  bool motion_depth = false;
   bool look_back = false;
   double memory = 0.0;
 
@@ -34,7 +36,8 @@ struct MaskPipelineParams {
   bool remembers() const { return byUncertainty() && memory > 0.0; }
   bool usesDepthUncertainty() const { return use_depth_uncertainty && (byUncertainty() || refine); }
   bool usesNextDepth() const { return byUncertainty() || motion.paper.lambda > 0.0; }
-  bool usesBackwardFlow() const { return looksBack() || remembers(); }
+  bool followsDepth() const { return byUncertainty() && motion_depth; }
+  bool usesBackwardFlow() const { return looksBack() || remembers() || followsDepth(); }
   void describe(FieldList& fields);
 };
 /// @throws InvalidParameter
@@ -96,12 +99,15 @@ class MaskPipeline {
   void refine(const MaskPair& pair, MotionInput& input) const;
   const FlowField* backwardTo(const MaskPair& pair) const;
   cv::Mat beliefFor(const MaskPair& pair, const FlowField* backward) const;
+  void followDepth(const MaskPair& pair, const FlowField* backward, const cv::Mat& belief,
+                   MotionInput& input);
   void remember(const MaskPair& pair, const MaskOutcome& outcome);
 
   MaskPipelineParams params_;
   MotionSegmenter segmenter_;
   std::deque<Backward> backward_;
   std::optional<Previous> previous_;
+  MotionDepth depth_;
 };
 
 }  // namespace radar_dot

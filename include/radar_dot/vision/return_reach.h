@@ -3,7 +3,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
 #include <vector>
+
+#include "radar_dot/vision/motion_segmentation.h"
 
 namespace radar_dot {
 
@@ -12,5 +16,11 @@ namespace radar_dot {
 /// any of them.
 /// @param places  m, on the ground; such that are not finite have the whole reach
 std::vector<float> reachesOf(const std::vector<Eigen::Vector2f>& places, float reach);
+
+/// Draws what returns show of an image: from half a metre below each to one and a half above, since radars
+/// look at bumpers and grilles.
+/// @param points  m, camera frame   @param footprints  CV_8UC1 of the camera's grid
+void drawReturns(const CameraIntrinsics& camera, const std::vector<Eigen::Vector3f>& points,
+                 const RadarEvidenceParams& params, std::uint8_t value, cv::Mat& footprints);
 
 }  // namespace radar_dot
