@@ -31,7 +31,7 @@ cv::Ptr<cv::DISOpticalFlow> makeDis(FlowPreset preset) {
   if (preset == FlowPreset::kLive) {
     dis->setPatchStride(4);
     dis->setGradientDescentIterations(8);
-    dis->setVariationalRefinementIterations(2);
+    dis->setVariationalRefinementIterations(0);
     return dis;
   }
   dis->setFinestScale(0);
