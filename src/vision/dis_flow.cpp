@@ -30,7 +30,7 @@ cv::Ptr<cv::DISOpticalFlow> makeDis(FlowPreset preset) {
   if (preset == FlowPreset::kMedium) return dis;
   if (preset == FlowPreset::kLive) {
     dis->setPatchStride(4);
-    dis->setGradientDescentIterations(8);
+    dis->setGradientDescentIterations(5);
     dis->setVariationalRefinementIterations(0);
     return dis;
   }

@@ -147,9 +147,16 @@ cv::Mat GridFlow::startValue(const cv::Size& grid, const cv::Mat& expected) cons
 /// Motion that the start value already explains is taken out of the second image; what remains is small.
 cv::Mat GridFlow::runFrom(const cv::Mat& start, const cv::Mat& first, const cv::Mat& second) {
   if (start.empty()) return run(first, second);
-  const cv::Mat rest = run(first, warpedBack(second, targetsOf(start)));
+  cv::Mat flow = run(first, warpedBack(second, start));
   // Where the rest leads, the start value was the one of the pixel it leads to.
-  return rest + warpedBack(start, targetsOf(rest));
+  for (int row = 0; row < flow.rows; ++row) {
+    auto* rest = flow.ptr<cv::Vec2f>(row);
+    for (int column = 0; column < flow.cols; ++column) {
+      rest[column] += flowAt(start, static_cast<float>(column) + rest[column][0],
+                             static_cast<float>(row) + rest[column][1]);
+    }
+  }
+  return flow;
 }
 
 }  // namespace radar_dot

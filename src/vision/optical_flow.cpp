@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "backend_registry.h"
 #include "dis_flow.h"
@@ -31,29 +32,30 @@ void requireFlow(const cv::Mat& flow, const char* name) {
     throw std::invalid_argument(fmt::format("{}: must be a CV_32FC2 image that is not empty", name));
 }
 
-/// What closeForwardBackward() finds out: pairs of the flow, of the flow back at its targets, and of those.
+/// One row of closeForwardBackward(): pairs of the flow and of the flow back where it leads.
 struct ClosureRow {
-  const float *forward, *back, *targets;
+  const float *forward, *back;
   float* gaps;
   std::uint8_t* valid;
 };
 
-RADAR_DOT_VECTORISED void closeRow(const ClosureRow& row, const cv::Size& grid, float tolerance,
+RADAR_DOT_VECTORISED void closeRow(const ClosureRow& row, int v, const cv::Size& grid, float tolerance,
                                    float share) {
-  const float *f = row.forward, *b = row.back, *to = row.targets;
+  const float *f = row.forward, *b = row.back;
   float* gaps = row.gaps;
   std::uint8_t* valid = row.valid;
   const auto last_u = static_cast<float>(grid.width - 1);
   const auto last_v = static_cast<float>(grid.height - 1);
+  const auto from_v = static_cast<float>(v);
   const int columns = grid.width;
   for (int i = 0; i < columns; ++i) {
     const float fx = f[2 * i], fy = f[2 * i + 1], bx = b[2 * i], by = b[2 * i + 1];
-    const float u = to[2 * i], v = to[2 * i + 1];
     const float x = fx + bx, y = fy + by;
     const float length = std::sqrt(fx * fx + fy * fy) + std::sqrt(bx * bx + by * by);
     // Without branches; false for NaN.
-    const bool inside = static_cast<int>(u >= 0.0F) & static_cast<int>(v >= 0.0F) &
-                        static_cast<int>(u <= last_u) & static_cast<int>(v <= last_v);
+    const float to_u = static_cast<float>(i) + fx, to_v = from_v + fy;
+    const bool inside = (static_cast<int>(to_u >= 0.0F) & static_cast<int>(to_v >= 0.0F) &
+                         static_cast<int>(to_u <= last_u) & static_cast<int>(to_v <= last_v)) != 0;
     const float gap = inside ? std::sqrt(x * x + y * y) : std::numeric_limits<float>::quiet_NaN();
     gaps[i] = gap;
     valid[i] = gap <= tolerance + share * length ? 255 : 0;  // NaN closes nothing
@@ -76,14 +78,18 @@ void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double ab
   requireFlow(backward, "backward flow");
   if (forward.flow.size() != backward.size())
     throw std::invalid_argument("forward and backward flow have different sizes");
-  const cv::Mat targets = targetsOf(forward.flow);
-  const cv::Mat back = warpedBack(backward, targets);
   forward.valid.create(backward.size(), CV_8UC1);
   forward.fb_error.create(backward.size(), CV_32FC1);
+  std::vector<cv::Vec2f> back(static_cast<std::size_t>(backward.cols));
   for (int row = 0; row < backward.rows; ++row) {
-    closeRow({forward.flow.ptr<float>(row), back.ptr<float>(row), targets.ptr<float>(row),
-              forward.fb_error.ptr<float>(row), forward.valid.ptr<std::uint8_t>(row)},
-             backward.size(), static_cast<float>(absolute), static_cast<float>(relative));
+    const auto* flow = forward.flow.ptr<cv::Vec2f>(row);
+    for (int column = 0; column < backward.cols; ++column) {
+      back[static_cast<std::size_t>(column)] = flowAt(backward, static_cast<float>(column) + flow[column][0],
+                                                      static_cast<float>(row) + flow[column][1]);
+    }
+    closeRow({forward.flow.ptr<float>(row), back.front().val, forward.fb_error.ptr<float>(row),
+              forward.valid.ptr<std::uint8_t>(row)},
+             row, backward.size(), static_cast<float>(absolute), static_cast<float>(relative));
   }
 }
 
