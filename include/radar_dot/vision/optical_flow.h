@@ -35,7 +35,8 @@ struct EnumNames<FlowPreset> {
       {FlowPreset::kUltrafast, "ultrafast", "of OpenCV"},
       {FlowPreset::kFast, "fast", "of OpenCV"},
       {FlowPreset::kLive, "live",
-       "medium with fewer patches and steps, in half its time; enough where the start is near, as expected"},
+       "medium with fewer patches and steps, in a third of its time; enough for starts that are near, as "
+       "expected"},
       {FlowPreset::kMedium, "medium", "of OpenCV"},
       {FlowPreset::kFine, "fine",
        "finest scale, small stride: 3 to 6 times as slow as medium, 0.6 to 0.8 of its error"}};
