@@ -20,18 +20,22 @@ class DecodeImageNodelet : public ConfiguredNodelet<StreamParams> {
 
   void decode(const sensor_msgs::CompressedImage& message) {
     constexpr int kColour = 3;
+    const ros::WallTime start = ProcessClock::now();
     const DecodedImage picture = decodedImageOf(message, kColour);
     publisher_.publish(imageMessage(message.header, "bgr8", picture.pixels));
+    computation_time_ = (ProcessClock::now() - start).toSec();
     ++decoded_;
   }
 
   void clearHistory() override {}
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override {
     status.summary(diagnostic_msgs::DiagnosticStatus::OK, "decoding");
+    status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
     status.addf("images decoded", "%zu", decoded_);
   }
 
   ros::Publisher publisher_;
+  double computation_time_ = 0.0;  // s, of the latest image
   std::size_t decoded_ = 0;
 };
 

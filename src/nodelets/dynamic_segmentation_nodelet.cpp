@@ -118,6 +118,7 @@ void DynamicSegmentationNodelet::processQueue() {
       continue;
     }
     inputs.messages = std::move(taken->item);
+    waiting_time_ = Moment::now().wall - taken->arrival.wall;
     try {
       placeOnGrid(inputs);
       addRadarPoints(inputs);
@@ -199,6 +200,7 @@ void DynamicSegmentationNodelet::segment(const Inputs& inputs) {
   const MaskOutcome outcome = pipeline_.process(inputs.pair);
   const MotionResult& result = outcome.result;
   computation_time_ = (ProcessClock::now() - start).toSec();
+  refinement_time_ = ProcessClock::isRecorded() ? 0.0 : outcome.refinement_seconds;
   publish(inputs, outcome);
   if (config_.looksBack() && !outcome.looked_back) ++without_past_since_report_;
 

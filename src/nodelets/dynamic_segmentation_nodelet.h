@@ -71,6 +71,7 @@ class DynamicSegmentationNodelet : public ConfiguredNodelet<DynamicSegmentationC
   // Of the latest mask.
   double computation_time_ = 0.0, latency_ = 0.0, valid_share_ = 0.0, mask_share_ = 0.0;
   double median_ = 0.0, mad_ = 0.0, threshold_ = 0.0;
+  double waiting_time_ = 0.0, refinement_time_ = 0.0;  // s
   std::size_t masks_ = 0, dropped_ = 0;
   std::size_t masks_since_report_ = 0, dropped_since_report_ = 0, without_rotation_since_report_ = 0,
               without_next_depth_since_report_ = 0, without_past_since_report_ = 0,

@@ -120,6 +120,8 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
   status.addf("yaw rate of the twists (rad/s)", "%.3f", yaw_rates_.rate());
   status.addf("yaw rate of the image (rad/s)", "%.3f", yaw_rates_.reference());
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
+  status.addf("of it refinement (ms)", "%.1f", 1e3 * refinement_time_);
+  status.addf("waiting before (ms)", "%.1f", 1e3 * waiting_time_);
   status.addf("latency (ms)", "%.1f", 1e3 * latency_);
   status.addf("valid share", "%.3f", valid_share_);
   status.addf("dynamic share", "%.4f", mask_share_);

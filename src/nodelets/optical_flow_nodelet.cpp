@@ -164,20 +164,33 @@ void OpticalFlowNodelet::processQueue() {
   compute(pair, expected);
 }
 
+const cv::Mat& OpticalFlowNodelet::pixelsOf(LazyImage& picture) const {
+  return flow_->takesGreyGrid() ? picture.greyOnGrid(config_.flow.working_width) : picture.pixels();
+}
+
 void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
   if (!flow_) throw std::invalid_argument("no optical flow: " + server_->error());
   const ros::WallTime start = ProcessClock::now();
-  const cv::Mat& first = pair.first->pixels();
+  const cv::Mat& first = pixelsOf(*pair.first);
+  const cv::Mat& second = pixelsOf(*pair.second);
+  const cv::Size size = pair.first->size();
+  if (pair.second->size() != size) {
+    throw std::invalid_argument("the images of a pair have " + sizeText(size) + " and " +
+                                sizeText(pair.second->size()) + " px; they must agree");
+  }
+  waiting_time_ = start.toSec() - pair.arrival.wall;
+  decoding_time_ = (ProcessClock::now() - start).toSec();
   const std_msgs::Header& first_header = pair.first->header();
   const std_msgs::Header& second_header = pair.second->header();
-  const FlowField field = flow_->compute(first, pair.second->pixels(), expected);
+  const FlowField field = flow_->compute(first, second, expected);
+  backward_time_ = ProcessClock::isRecorded() ? 0.0 : field.backward_seconds;
   // The way back goes first: who looks back from the next flow finds it there.
   if (config_.flow.forward_backward && backward_publisher_.getNumSubscribers() > 0) {
     backward_publisher_.publish(
-        flowMessage(second_header, first_header.stamp, backwardField(field, config_.flow), first.size()));
+        flowMessage(second_header, first_header.stamp, backwardField(field, config_.flow), size));
   }
   computation_time_ = (ProcessClock::now() - start).toSec();
-  publisher_.publish(flowMessage(first_header, second_header.stamp, field, first.size()));
+  publisher_.publish(flowMessage(first_header, second_header.stamp, field, size));
   latency_ =
       ros::Time::now().toSec() - std::max(pair.first->header().stamp, pair.second->header().stamp).toSec();
   ++computed_;
@@ -199,6 +212,9 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   }
   status.addf("interval of the pair (s)", "%.3f", interval_);
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
+  status.addf("of it decoding (ms)", "%.1f", 1e3 * decoding_time_);
+  status.addf("of it the way back (ms)", "%.1f", 1e3 * backward_time_);
+  status.addf("waiting before (ms)", "%.1f", 1e3 * waiting_time_);
   status.addf("latency (ms)", "%.1f", 1e3 * latency_);
   status.addf("pairs", "%zu", computed_);
   status.addf("pairs replaced by later ones", "%zu", replaced_);

@@ -40,6 +40,7 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   /// Flow of a static world; empty, with the reason in `missing`, when something is not there (yet).
   cv::Mat expectedFlowOf(const Pair& pair, bool within_timeout, std::string& missing);
   void compute(const Pair& pair, const cv::Mat& expected);
+  const cv::Mat& pixelsOf(LazyImage& picture) const;
 
   std::unique_ptr<OpticalFlow> flow_;  // none: no backend could be made
   SharedImage previous_;
@@ -54,7 +55,9 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   ros::Publisher publisher_, backward_publisher_;
   ProcessTimer compute_timer_;
 
-  double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;  // s, of the latest pair
+  // s, of the latest pair
+  double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;
+  double waiting_time_ = 0.0, decoding_time_ = 0.0, backward_time_ = 0.0;
   std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0;
 };
 

@@ -11,11 +11,21 @@
 #include "backend_registry.h"
 #include "depth_backends.h"
 #include "ground_ray.h"
+#include "vectorised.h"
 
 namespace radar_dot {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+/// above / (first + u step), m, as far as that is positive and not beyond `most`.
+RADAR_DOT_VECTORISED void groundRow(double above, double first, double step, double most, int columns,
+                                    float* depths) {
+  for (int u = 0; u < columns; ++u) {
+    const double s = above / (first + u * step);
+    depths[u] = s > 0.0 && s <= most ? static_cast<float>(s) : kNaN;
+  }
+}
 
 using Registry = BackendRegistry<DepthEstimatorFactory>;
 
@@ -63,14 +73,12 @@ cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_b
   const Eigen::Matrix3d& R = T_base_from_camera.linear();
   const double slope = std::tan(pitch);
   const double above = height + slope * c.x() - c.z();
+  // d.z - slope d.x of a ray d grows evenly along a row.
+  const Eigen::RowVector3d across = R.row(2) - slope * R.row(0);
   cv::Mat depth(camera.height, camera.width, CV_32FC1);
   for (int v = 0; v < camera.height; ++v) {
-    float* pixels = depth.ptr<float>(v);
-    for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector3d d = R * camera.rayOf(u, v);
-      const double s = above / (d.z() - slope * d.x());
-      pixels[u] = s > 0.0 && s <= max_depth ? static_cast<float>(s) : kNaN;
-    }
+    groundRow(above, across * camera.rayOf(0.0, v), across.x() / camera.fx, max_depth, camera.width,
+              depth.ptr<float>(v));
   }
   return depth;
 }

@@ -22,10 +22,18 @@ cv::Ptr<cv::DISOpticalFlow> makeDis(FlowPreset preset) {
   switch (preset) {
     case FlowPreset::kUltrafast: return Dis::create(Dis::PRESET_ULTRAFAST);
     case FlowPreset::kFast: return Dis::create(Dis::PRESET_FAST);
-    case FlowPreset::kMedium: return Dis::create(Dis::PRESET_MEDIUM);
+    case FlowPreset::kLive:
+    case FlowPreset::kMedium:
     case FlowPreset::kFine: break;
   }
   cv::Ptr<Dis> dis = Dis::create(Dis::PRESET_MEDIUM);
+  if (preset == FlowPreset::kMedium) return dis;
+  if (preset == FlowPreset::kLive) {
+    dis->setPatchStride(4);
+    dis->setGradientDescentIterations(5);
+    dis->setVariationalRefinementIterations(0);
+    return dis;
+  }
   dis->setFinestScale(0);
   dis->setPatchStride(3);
   dis->setGradientDescentIterations(50);
@@ -46,6 +54,7 @@ class DisFlow : public GridFlow {
  public:
   explicit DisFlow(const OpticalFlowParams& params)
       : GridFlow(params, Images::kGrey), dis_(makeDis(params.preset)) {}
+  bool takesGreyGrid() const override { return true; }
 
  protected:
   cv::Size gridOf(const cv::Size& image) const override {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -23,6 +24,10 @@ void requireImage(const cv::Mat& image, const char* name) {
     throw std::invalid_argument(
         fmt::format("optical flow: the {} image must be CV_8UC3 (BGR) or CV_8UC1", name));
   }
+}
+
+cv::Mat flowOn(const cv::Size& grid, const cv::Mat& flow) {
+  return flow.size() == grid ? flow : resizeFlow(flow, grid);
 }
 
 /// Flow where it is not known, or leads far out of the image, is taken from its surroundings, so that a start
@@ -82,7 +87,7 @@ cv::Mat reversed(const cv::Mat& flow) {
             v < static_cast<float>(flow.rows) - 0.5F))
         continue;
       // Where two lead to the same place, the one that moves more is usually the nearer.
-      auto& there = back.at<cv::Vec2f>(static_cast<int>(std::lround(v)), static_cast<int>(std::lround(u)));
+      auto& there = back.at<cv::Vec2f>(static_cast<int>(v + 0.5F), static_cast<int>(u + 0.5F));
       if (!(there.dot(there) >= vector.dot(vector))) there = -vector;
     }
   }
@@ -108,12 +113,14 @@ FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const c
   const cv::Mat there = runFrom(start, first_on_grid, second_on_grid);
   const cv::Size wanted = workingGrid(first.size(), params_.working_width);
   FlowField field;
-  field.flow = there.size() == wanted ? there : resizeFlow(there, wanted);
+  field.flow = flowOn(wanted, there);
   if (params_.forward_backward) {
+    const auto begin = std::chrono::steady_clock::now();
     const cv::Mat start_back = start.empty() ? cv::Mat() : fillUnknown(reversed(start));
-    field.backward = resizeFlow(runFrom(start_back, second_on_grid, first_on_grid), wanted);
+    field.backward = flowOn(wanted, runFrom(start_back, second_on_grid, first_on_grid));
     closeForwardBackward(field, field.backward, params_.forward_backward_absolute,
                          params_.forward_backward_relative);
+    field.backward_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
   if (params_.initialisation == FlowStart::kTemporal) previous_ = there.clone();
   return field;
@@ -134,15 +141,22 @@ cv::Mat GridFlow::startValue(const cv::Size& grid, const cv::Mat& expected) cons
   if (params_.initialisation != FlowStart::kExpected || expected.empty()) return {};
   if (expected.type() != CV_32FC2)
     throw std::invalid_argument("optical flow: the expected flow must be CV_32FC2");
-  return resizeFlow(fillUnknown(expected), grid);
+  return flowOn(grid, fillUnknown(expected));
 }
 
 /// Motion that the start value already explains is taken out of the second image; what remains is small.
 cv::Mat GridFlow::runFrom(const cv::Mat& start, const cv::Mat& first, const cv::Mat& second) {
   if (start.empty()) return run(first, second);
-  const cv::Mat rest = run(first, warpedBack(second, targetsOf(start)));
+  cv::Mat flow = run(first, warpedBack(second, start));
   // Where the rest leads, the start value was the one of the pixel it leads to.
-  return rest + warpedBack(start, targetsOf(rest));
+  for (int row = 0; row < flow.rows; ++row) {
+    auto* rest = flow.ptr<cv::Vec2f>(row);
+    for (int column = 0; column < flow.cols; ++column) {
+      rest[column] += flowAt(start, static_cast<float>(column) + rest[column][0],
+                             static_cast<float>(row) + rest[column][1]);
+    }
+  }
+  return flow;
 }
 
 }  // namespace radar_dot

@@ -3,6 +3,7 @@
 #include "radar_dot/vision/mask_pipeline.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 
@@ -208,7 +209,12 @@ MaskOutcome MaskPipeline::process(const MaskPair& pair) {
   MaskOutcome outcome;
   MotionInput& input = outcome.input;
   input = inputOf(pair);
-  if (params_.refine) refine(pair, input);
+  if (params_.refine) {
+    const auto begin = std::chrono::steady_clock::now();
+    refine(pair, input);
+    outcome.refinement_seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
   const FlowField* backward = backwardTo(pair);
   if (params_.remembers()) input.belief = beliefFor(pair, backward);
   if (params_.followsDepth()) followDepth(pair, backward, input.belief, input);

@@ -49,33 +49,58 @@ RADAR_DOT_VECTORISED void predictBlock(const PassConstants& pass, int row, int b
   }
 }
 
-/// The depth residual, and what is excluded: flow_part becomes NaN.
-void lookUpDepth(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int row, int begin,
-                 int count, const float* depths, const float* flows, const std::uint8_t* reliable,
-                 PixelBlock& block) {
-  namespace terms = motion_terms;
+/// Is a place in the image? Without branches; false for NaN.
+inline bool isWithin(float u, float v, float last_u, float last_v) {
+  return (static_cast<int>(u >= 0.0F) & static_cast<int>(v >= 0.0F) & static_cast<int>(u <= last_u) &
+          static_cast<int>(v <= last_v)) != 0;
+}
+
+/// What is excluded: flow_part becomes NaN.
+RADAR_DOT_VECTORISED void exclude(const PassConstants& pass, int row, int begin, int count,
+                                  const float* depths, const float* flows, PixelBlock& block) {
+  const float last_u = pass.last_u, last_v = pass.last_v, max_depth = pass.max_depth;
+  const int anywhere = pass.predicted_in_view ? 0 : 1;
+  const auto v = static_cast<float>(row);
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    block.depth_part[k] = 0.0F;
-    const float u = block.u[k];
-    const float v = block.v[k];
-    const float depth_there = block.depth_there[k];
     // The flow must lead into the second image, and where asked for, the prediction too.
-    const float u_seen = static_cast<float>(begin + i) + flows[2 * i];
-    const float v_seen = static_cast<float>(row) + flows[2 * i + 1];
-    const bool in_view =
-        depth_there > 0.0F && u_seen >= 0.0F && v_seen >= 0.0F && u_seen <= pass.last_u &&
-        v_seen <= pass.last_v &&
-        (!pass.predicted_in_view || (u >= 0.0F && v >= 0.0F && u <= pass.last_u && v <= pass.last_v));
-    if (!in_view || !isKnownDepth(depths[i], pass.max_depth) || (reliable != nullptr && reliable[i] == 0)) {
-      block.flow_part[k] = kNaN;
-      continue;
-    }
-    if (next_depth.pixels == nullptr) continue;
-    const float seen = terms::bilinear(next_depth, u, v);
-    if (!isKnownDepth(seen, pass.max_depth)) continue;
-    if (terms::isOccluded(seen, depth_there, pass.occlusion_margin)) block.flow_part[k] = kNaN;
-    block.depth_part[k] = terms::depthResidual(seen, depth_there);
+    const auto u = static_cast<float>(begin + i);
+    const int counts = static_cast<int>(block.depth_there[k] > 0.0F) & static_cast<int>(depths[i] > 0.0F) &
+                       static_cast<int>(depths[i] <= max_depth) &
+                       static_cast<int>(isWithin(u + flows[2 * i], v + flows[2 * i + 1], last_u, last_v)) &
+                       (anywhere | static_cast<int>(isWithin(block.u[k], block.v[k], last_u, last_v)));
+    block.flow_part[k] = counts != 0 ? block.flow_part[k] : kNaN;
+  }
+}
+
+/// The depth residual; what is hidden is excluded as well. As motion_terms::bilinear(), on many pixels at
+/// once.
+RADAR_DOT_VECTORISED void lookUpDepth(const PassConstants& pass, const motion_terms::FloatImage& next_depth,
+                                      int count, PixelBlock& block) {
+  namespace terms = motion_terms;
+  const float* pixels = next_depth.pixels;
+  const auto stride = static_cast<int>(next_depth.stride);
+  const int last_column = next_depth.columns - 2, last_row = next_depth.rows - 2;
+  const float last_u = pass.last_u, last_v = pass.last_v, max_depth = pass.max_depth;
+  const float margin = pass.occlusion_margin;
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const bool inside = isWithin(block.u[k], block.v[k], last_u, last_v);
+    const float u = inside ? block.u[k] : 0.0F;
+    const float v = inside ? block.v[k] : 0.0F;
+    const int x = std::min(static_cast<int>(u), last_column);
+    const int y = std::min(static_cast<int>(v), last_row);
+    const float a = u - static_cast<float>(x);
+    const float b = v - static_cast<float>(y);
+    const int above = y * stride + x, below = above + stride;
+    const float top = pixels[above] + a * (pixels[above + 1] - pixels[above]);
+    const float bottom = pixels[below] + a * (pixels[below + 1] - pixels[below]);
+    const float seen = inside ? top + b * (bottom - top) : kNaN;
+    const int known = static_cast<int>(seen > 0.0F) & static_cast<int>(seen <= max_depth);
+    const float there = block.depth_there[k];
+    const int hidden = known & static_cast<int>(terms::isOccluded(seen, there, margin));
+    block.flow_part[k] = hidden != 0 ? kNaN : block.flow_part[k];
+    block.depth_part[k] = known != 0 ? terms::depthResidual(seen, there) : 0.0F;
   }
 }
 
@@ -226,7 +251,14 @@ void scoreRow(const PassConstants& pass, const motion_terms::FloatImage& next_de
     const float* depths = input.depths + begin;
     const float* flows = input.flows + 2 * begin;
     predictBlock(pass, row, begin, count, depths, flows, block);
-    lookUpDepth(pass, next_depth, row, begin, count, depths, flows, from(input.reliable, begin), block);
+    exclude(pass, row, begin, count, depths, flows, block);
+    for (int i = 0; input.reliable != nullptr && i < count; ++i)
+      if (input.reliable[begin + i] == 0) block.flow_part[static_cast<std::size_t>(i)] = kNaN;
+    if (next_depth.pixels == nullptr) {
+      block.depth_part.fill(0.0F);
+    } else {
+      lookUpDepth(pass, next_depth, count, block);
+    }
     if (pass.by_uncertainty) {
       readNoise(pass, count, from(input.closures, begin), from(input.depth_stds, begin), block);
       spreadByInputs(pass, count, depths, flows, block);

@@ -28,6 +28,7 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kLeastPixels = 50;
 constexpr double kMedianOfChiSquare = 1.3863;  // 2 degrees of freedom
 constexpr double kExact = 1e-12;               // variances that stand for zero: a prior that holds
+constexpr double kNegligible = 1e-4;           // change of the unknowns, squared, in units of their sigma
 
 struct Pixel {
   double u = 0.0, v = 0.0;
@@ -67,7 +68,7 @@ class Refiner {
     refined.ground = ground_;
     refined.pixels = pixels_.size();
     if (pixels_.size() < kLeastPixels) return refined;
-    for (int i = 0; i < params_.iterations; ++i) step();
+    for (int i = 0; i < params_.iterations && step() > kNegligible; ++i) continue;
     refined.T_current_from_previous = motion_;
     refined.correction = total_.head<6>();
     const Matrix8 covariance = information_.llt().solve(Matrix8::Identity());
@@ -87,7 +88,8 @@ class Refiner {
   void collect();
   bool residual(const Pixel& pixel, Eigen::Vector2d& r, Eigen::Matrix2d& information,
                 Jacobian& jacobian) const;
-  void step();
+  /// @return change of the unknowns, squared, in units of their sigma
+  double step();
 
   const MotionInput& input_;
   const std::optional<GroundPlane>& ground_;
@@ -185,7 +187,7 @@ bool Refiner::residual(const Pixel& pixel, Eigen::Vector2d& r, Eigen::Matrix2d& 
   return true;
 }
 
-void Refiner::step() {
+double Refiner::step() {
   terms_.clear();
   distances_.clear();
   for (const Pixel& pixel : pixels_) {
@@ -195,7 +197,7 @@ void Refiner::step() {
     terms_.push_back(term);
     distances_.push_back(term.distance);
   }
-  if (distances_.size() < kLeastPixels) return;
+  if (distances_.size() < kLeastPixels) return 0.0;
   const auto middle = distances_.begin() + static_cast<std::ptrdiff_t>(distances_.size() / 2);
   std::nth_element(distances_.begin(), middle, distances_.end());
   // What the noise does not explain is in all pixels alike.
@@ -213,7 +215,7 @@ void Refiner::step() {
     gradient.noalias() += weighted * term.r;
   }
   const Vector8 change = information_.llt().solve(gradient);
-  if (!change.allFinite()) return;
+  if (!change.allFinite()) return 0.0;
   total_ += change;
   const Eigen::Vector3d omega = change.head<3>();
   Eigen::Isometry3d small = Eigen::Isometry3d::Identity();
@@ -221,6 +223,7 @@ void Refiner::step() {
     small.linear() = Eigen::AngleAxisd(omega.norm(), omega.normalized()).toRotationMatrix();
   small.translation() = change.segment<3>(3);
   motion_ = small * motion_;
+  return change.dot(information_ * change);
 }
 
 /// The values with those of `ground` where the depth shows the drawn one.

@@ -10,9 +10,11 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "backend_registry.h"
 #include "dis_flow.h"
+#include "vectorised.h"
 #include "warp.h"
 
 namespace radar_dot {
@@ -28,6 +30,36 @@ Registry& registry() {
 void requireFlow(const cv::Mat& flow, const char* name) {
   if (flow.empty() || flow.type() != CV_32FC2)
     throw std::invalid_argument(fmt::format("{}: must be a CV_32FC2 image that is not empty", name));
+}
+
+/// One row of closeForwardBackward(): pairs of the flow and of the flow back where it leads.
+struct ClosureRow {
+  const float *forward, *back;
+  float* gaps;
+  std::uint8_t* valid;
+};
+
+RADAR_DOT_VECTORISED void closeRow(const ClosureRow& row, int v, const cv::Size& grid, float tolerance,
+                                   float share) {
+  const float *f = row.forward, *b = row.back;
+  float* gaps = row.gaps;
+  std::uint8_t* valid = row.valid;
+  const auto last_u = static_cast<float>(grid.width - 1);
+  const auto last_v = static_cast<float>(grid.height - 1);
+  const auto from_v = static_cast<float>(v);
+  const int columns = grid.width;
+  for (int i = 0; i < columns; ++i) {
+    const float fx = f[2 * i], fy = f[2 * i + 1], bx = b[2 * i], by = b[2 * i + 1];
+    const float x = fx + bx, y = fy + by;
+    const float length = std::sqrt(fx * fx + fy * fy) + std::sqrt(bx * bx + by * by);
+    // Without branches; false for NaN.
+    const float to_u = static_cast<float>(i) + fx, to_v = from_v + fy;
+    const bool inside = (static_cast<int>(to_u >= 0.0F) & static_cast<int>(to_v >= 0.0F) &
+                         static_cast<int>(to_u <= last_u) & static_cast<int>(to_v <= last_v)) != 0;
+    const float gap = inside ? std::sqrt(x * x + y * y) : std::numeric_limits<float>::quiet_NaN();
+    gaps[i] = gap;
+    valid[i] = gap <= tolerance + share * length ? 255 : 0;  // NaN closes nothing
+  }
 }
 
 }  // namespace
@@ -46,30 +78,18 @@ void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double ab
   requireFlow(backward, "backward flow");
   if (forward.flow.size() != backward.size())
     throw std::invalid_argument("forward and backward flow have different sizes");
-  const cv::Mat targets = targetsOf(forward.flow);
-  const cv::Mat back = warpedBack(backward, targets);
   forward.valid.create(backward.size(), CV_8UC1);
   forward.fb_error.create(backward.size(), CV_32FC1);
-  const auto tolerance = static_cast<float>(absolute);
-  const auto share = static_cast<float>(relative);
-  const auto last_u = static_cast<float>(backward.cols - 1);
-  const auto last_v = static_cast<float>(backward.rows - 1);
+  std::vector<cv::Vec2f> back(static_cast<std::size_t>(backward.cols));
   for (int row = 0; row < backward.rows; ++row) {
-    const auto* f = forward.flow.ptr<cv::Vec2f>(row);
-    const auto* b = back.ptr<cv::Vec2f>(row);
-    const auto* to = targets.ptr<cv::Vec2f>(row);
-    auto* gaps = forward.fb_error.ptr<float>(row);
-    auto* out = forward.valid.ptr<std::uint8_t>(row);
+    const auto* flow = forward.flow.ptr<cv::Vec2f>(row);
     for (int column = 0; column < backward.cols; ++column) {
-      const float x = f[column][0] + b[column][0];
-      const float y = f[column][1] + b[column][1];
-      const float length = std::sqrt(f[column].dot(f[column])) + std::sqrt(b[column].dot(b[column]));
-      const float u = to[column][0];
-      const float v = to[column][1];
-      const bool inside = u >= 0.0F && v >= 0.0F && u <= last_u && v <= last_v;  // false for NaN
-      gaps[column] = inside ? std::sqrt(x * x + y * y) : std::numeric_limits<float>::quiet_NaN();
-      out[column] = gaps[column] <= tolerance + share * length ? 255 : 0;  // NaN closes nothing
+      back[static_cast<std::size_t>(column)] = flowAt(backward, static_cast<float>(column) + flow[column][0],
+                                                      static_cast<float>(row) + flow[column][1]);
     }
+    closeRow({forward.flow.ptr<float>(row), back.front().val, forward.fb_error.ptr<float>(row),
+              forward.valid.ptr<std::uint8_t>(row)},
+             row, backward.size(), static_cast<float>(absolute), static_cast<float>(relative));
   }
 }
 

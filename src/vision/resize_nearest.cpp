@@ -21,10 +21,17 @@ void fill(const cv::Mat& image, cv::Mat& resized) {
   std::vector<int> columns;
   for (int column = 0; column < resized.cols; ++column)
     columns.push_back(sourceOf(column, image.cols, resized.cols));
+  int filled = -1;  // row of the image that the row before was filled from
   for (int row = 0; row < resized.rows; ++row) {
-    const auto* from = image.ptr<Pixel>(sourceOf(row, image.rows, resized.rows));
+    const int source = sourceOf(row, image.rows, resized.rows);
+    const auto* from = image.ptr<Pixel>(source);
     auto* to = resized.ptr<Pixel>(row);
-    for (const int column : columns) *to++ = from[column];
+    if (source == filled) {
+      std::copy_n(resized.ptr<Pixel>(row - 1), resized.cols, to);
+    } else {
+      for (const int column : columns) *to++ = from[column];
+    }
+    filled = source;
   }
 }
 

@@ -6,7 +6,7 @@
 
 namespace radar_dot {
 
-cv::Mat targetsOf(const cv::Mat& flow) {
+cv::Mat warpedBack(const cv::Mat& image, const cv::Mat& flow) {
   cv::Mat targets(flow.size(), CV_32FC2);
   for (int row = 0; row < flow.rows; ++row) {
     const auto* vectors = flow.ptr<cv::Vec2f>(row);
@@ -14,10 +14,6 @@ cv::Mat targetsOf(const cv::Mat& flow) {
     for (int column = 0; column < flow.cols; ++column)
       to[column] = vectors[column] + cv::Vec2f(static_cast<float>(column), static_cast<float>(row));
   }
-  return targets;
-}
-
-cv::Mat warpedBack(const cv::Mat& image, const cv::Mat& targets) {
   cv::Mat warped;
   cv::remap(image, warped, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return warped;

@@ -11,10 +11,13 @@
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "fixtures/refusal.h"
+#include "nodelets/messages/lazy_image.h"
 
 namespace radar_dot {
 namespace {
@@ -204,6 +207,92 @@ TEST(PictureOf, RefusesBytesThatAreNoImage) {
     message.data.resize(12);
     EXPECT_THROW(decodedImageOf(message, 3), std::invalid_argument)
         << format << " without more than its first bytes";
+  }
+}
+
+/// A colour picture whose grey is the distance from its corner, over 10, in px: at the centre of any pixel of
+/// any grid.
+sensor_msgs::CompressedImage slope(const std::string& format, const cv::Size& size) {
+  cv::Mat grey(size, CV_8UC1), colour;
+  for (int row = 0; row < size.height; ++row)
+    for (int column = 0; column < size.width; ++column)
+      grey.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>((row + column + 1) / 10.0);
+  cv::cvtColor(grey, colour, cv::COLOR_GRAY2BGR);
+  sensor_msgs::CompressedImage message;
+  cv::imencode("." + format, colour, message.data);
+  return message;
+}
+
+LazyImage lazy(const sensor_msgs::CompressedImage& message) {
+  return LazyImage(boost::make_shared<const sensor_msgs::CompressedImage>(message));
+}
+
+TEST(LazyImage, GreyOnAGridIsThatOfTheWholeImage) {
+  const cv::Size size(1401, 801);  // odd, so that half of it is not a whole number
+  for (const char* format : {"jpg", "png"}) {
+    // Decoded whole, at half, at a quarter, and at an eighth of its size.
+    for (const int working_width : {0, 800, 640, 320, 160}) {
+      SCOPED_TRACE(std::string(format) + " " + std::to_string(working_width));
+      LazyImage image = lazy(slope(format, size));
+      const cv::Mat& grey = image.greyOnGrid(working_width);
+      EXPECT_EQ(image.size(), size);
+      ASSERT_EQ(grey.size(), workingGrid(size, working_width));
+      ASSERT_EQ(grey.type(), CV_8UC1);
+      const double across = 1401.0 / grey.cols, down = 801.0 / grey.rows;
+      for (const cv::Point at : {cv::Point(3, 5), cv::Point(grey.cols / 2, 7), cv::Point(50, grey.rows - 4)})
+        EXPECT_NEAR(grey.at<std::uint8_t>(at), ((at.x + 0.5) * across + (at.y + 0.5) * down) / 10.0, 1.5)
+            << at;
+    }
+  }
+}
+
+TEST(LazyImage, JpegsAreDecodedNoFinerThanAsked) {
+  const sensor_msgs::CompressedImage message = slope("jpg", {1401, 801});
+  EXPECT_EQ(decodedImageOf(message, 1, 2).pixels.size(), cv::Size(701, 401));
+  EXPECT_EQ(decodedImageOf(message, 1, 4).pixels.size(), cv::Size(351, 201));
+  EXPECT_EQ(decodedImageOf(message, 1, 8).pixels.size(), cv::Size(176, 101));
+}
+
+TEST(LazyImage, OtherGridsAndColourAreStillThere) {
+  LazyImage image = lazy(slope("jpg", {640, 360}));
+  EXPECT_EQ(image.greyOnGrid(160).size(), cv::Size(160, 90));
+  EXPECT_EQ(image.greyOnGrid(320).size(), cv::Size(320, 180));
+  EXPECT_EQ(image.pixels().size(), cv::Size(640, 360));
+  EXPECT_EQ(image.pixels().type(), CV_8UC3);
+}
+
+TEST(LazyImage, RawImagesBecomeGreyOnAGridAsWell) {
+  const auto message = boost::make_shared<sensor_msgs::Image>();
+  message->encoding = "bgr8";
+  message->width = 64;
+  message->height = 36;
+  message->step = 3 * 64;
+  for (int i = 0; i < 64 * 36; ++i) message->data.insert(message->data.end(), {200, 100, 50});
+  LazyImage image{sensor_msgs::ImageConstPtr(message)};
+  const cv::Mat& grey = image.greyOnGrid(32);
+  ASSERT_EQ(grey.size(), cv::Size(32, 18));
+  EXPECT_EQ(image.size(), cv::Size(64, 36));
+  EXPECT_EQ(grey.at<std::uint8_t>(9, 20), 96);  // 0.114 * 200 + 0.587 * 100 + 0.299 * 50
+}
+
+// A camera that was held upright: OpenCV turns the picture, whose header says the size before.
+TEST(LazyImage, TurnedJpegsHaveTheSizeOfTheirPixels) {
+  sensor_msgs::CompressedImage message = slope("jpg", {640, 360});
+  const std::vector<std::uint8_t> turned = {0xFF, 0xE1, 0, 34, 'E', 'x', 'i', 'f', 0,    0,    'I', 'I',
+                                            '*',  0,    8, 0,  0,   0,   1,   0,   0x12, 0x01, 3,   0,
+                                            1,    0,    0, 0,  6,   0,   0,   0,   0,    0,    0,   0};
+  message.data.insert(message.data.begin() + 2, turned.begin(), turned.end());
+  LazyImage image = lazy(message);
+  EXPECT_EQ(image.greyOnGrid(90).size(), cv::Size(90, 160));
+  EXPECT_EQ(image.size(), cv::Size(360, 640));
+}
+
+TEST(LazyImage, RefusesJpegsThatBreakOff) {
+  const sensor_msgs::CompressedImage whole = slope("jpg", {640, 360});
+  for (const std::size_t bytes : {0, 1, 2, 3, 4, 20, 100}) {
+    sensor_msgs::CompressedImage message = whole;
+    message.data.resize(bytes);
+    EXPECT_THROW(lazy(message).greyOnGrid(160), std::invalid_argument) << bytes;
   }
 }
 

@@ -76,6 +76,13 @@ class LaunchFilesTest(unittest.TestCase):
         # What is not given is left to a remapping around the include.
         self.assertEqual(set(found["odometry"]), set())
 
+    def test_what_needs_little_of_an_image_decodes_it_itself(self):
+        names = ["/optical_flow/image_transport", "/depth/image_transport"]
+        for values, expected in (({}, "compressed"), ({"compressed": "false"}, None),
+                                 ({"flow_model": "raft.pt", "depth_model": "just.pt"}, None)):
+            params = load("radar_dot.launch", **values).params
+            self.assertEqual([params[name].value if name in params else None for name in names], 2 * [expected])
+
     def test_replay_takes_the_topics_of_the_bag(self):
         found = remaps(load("replay.launch"))
         for nodelet in ("ego_velocity", "odometry", "dynamic_segmentation"):

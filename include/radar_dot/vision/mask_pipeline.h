@@ -64,7 +64,8 @@ struct MaskPair {
 struct MaskOutcome {
   MotionInput input;  ///< as it was scored: refined motion and depth
   MotionResult result;
-  bool looked_back = false;  ///< the previous pair took part
+  bool looked_back = false;         ///< the previous pair took part
+  double refinement_seconds = 0.0;  ///< that the refinement took
 };
 
 /// Dynamic masks of a stream of image pairs: uncertainty of the motion, refinement by the image, radar

@@ -29,6 +29,7 @@ class WaitingQueue {
   struct Taken {
     Item item;
     std::string missing;  ///< empty: it is complete
+    Moment arrival;
   };
 
   void add(Item item, const Moment& now) { waiting_.push_back({std::move(item), now}); }
@@ -46,7 +47,7 @@ class WaitingQueue {
     const double waited = is_over ? std::numeric_limits<double>::infinity() : now.ros - front.arrival.ros;
     Lack lack = lackOf(front.item, waited);
     if (!lack.missing.empty() && !lack.forever && !is_over) return std::nullopt;
-    Taken taken{std::move(front.item), std::move(lack.missing)};
+    Taken taken{std::move(front.item), std::move(lack.missing), front.arrival};
     waiting_.pop_front();
     return taken;
   }

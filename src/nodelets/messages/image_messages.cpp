@@ -84,6 +84,19 @@ cv::Mat companionOf(const cv::Mat& flow, const sensor_msgs::Image& message, cons
   return image;
 }
 
+/// As cv_bridge, which clears the bytes before it copies them.
+void fill(sensor_msgs::Image& message, const std_msgs::Header& header, const std::string& encoding,
+          const cv::Mat& pixels) {
+  const cv::Mat packed = pixels.isContinuous() ? pixels : pixels.clone();
+  message.header = header;
+  message.height = static_cast<std::uint32_t>(packed.rows);
+  message.width = static_cast<std::uint32_t>(packed.cols);
+  message.encoding = encoding;
+  const std::size_t step = packed.elemSize() * static_cast<std::size_t>(packed.cols);
+  message.step = static_cast<std::uint32_t>(step);
+  message.data.assign(packed.data, packed.data + step * message.height);
+}
+
 }  // namespace
 
 std::string sizeText(const cv::Size& size) {
@@ -115,13 +128,15 @@ DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message) {
   }
 }
 
-DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int channels) {
+DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int channels, int reduction) {
   const std::string what = "compressed image of format '" + message.format + "'";
   DecodedImage picture;
   picture.header = message.header;
   if (!message.data.empty()) {
     try {
-      picture.pixels = cv::imdecode(message.data, channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
+      // The flags of the reductions are powers of two as well.
+      const int grey = reduction > 1 ? cv::IMREAD_REDUCED_GRAYSCALE_2 * reduction / 2 : cv::IMREAD_GRAYSCALE;
+      picture.pixels = cv::imdecode(message.data, channels == 1 ? grey : cv::IMREAD_COLOR);
     } catch (const cv::Exception& error) {
       throw std::invalid_argument(what + ": " + error.what());
     }
@@ -175,7 +190,9 @@ FlowField flowOf(const Flow& message) {
 
 sensor_msgs::ImagePtr imageMessage(const std_msgs::Header& header, const std::string& encoding,
                                    const cv::Mat& pixels) {
-  return cv_bridge::CvImage(header, encoding, pixels).toImageMsg();
+  auto message = boost::make_shared<sensor_msgs::Image>();
+  fill(*message, header, encoding, pixels);
+  return message;
 }
 
 FlowPtr flowMessage(const std_msgs::Header& header, const ros::Time& second_stamp, const FlowField& field,
@@ -185,11 +202,9 @@ FlowPtr flowMessage(const std_msgs::Header& header, const ros::Time& second_stam
   message->second_stamp = second_stamp;
   message->image_width = static_cast<std::uint32_t>(image.width);
   message->image_height = static_cast<std::uint32_t>(image.height);
-  cv_bridge::CvImage(header, encodings::TYPE_32FC2, field.flow).toImageMsg(message->flow);
-  if (!field.valid.empty())
-    cv_bridge::CvImage(header, encodings::MONO8, field.valid).toImageMsg(message->valid);
-  if (!field.fb_error.empty())
-    cv_bridge::CvImage(header, encodings::TYPE_32FC1, field.fb_error).toImageMsg(message->fb_error);
+  fill(message->flow, header, encodings::TYPE_32FC2, field.flow);
+  if (!field.valid.empty()) fill(message->valid, header, encodings::MONO8, field.valid);
+  if (!field.fb_error.empty()) fill(message->fb_error, header, encodings::TYPE_32FC1, field.fb_error);
   return message;
 }
 

@@ -27,8 +27,9 @@ struct DecodedImage {
 
 /// Without a copy where the encoding is bgr8 or mono8 already.
 DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message);
-/// Decoded. @param channels  1: to grey, which is quicker; 3: colour
-DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int channels);
+/// Decoded. @param channels   1: to grey, which is quicker; 3: colour
+///          @param reduction  of grey: 1, 2, 4 or 8 times as small, rounded up; much quicker for JPEG
+DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int channels, int reduction = 1);
 
 /// Depth in m, CV_32FC1: of encoding 32FC1 (m, shared with the message) or 16UC1 (mm, 0 = unknown).
 cv::Mat depthOf(const sensor_msgs::Image& message);

@@ -15,20 +15,24 @@ class LazyImage {
   explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed) : compressed_(std::move(compressed)) {}
 
   const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
-  /// Raw images need not be converted for it. @throws std::invalid_argument as decodedImageOf()
-  cv::Size size() { return raw_ ? imageSizeOf(*raw_, "image") : pixels().size(); }
+  /// Of the whole image. Raw images need not be converted for it.
   /// @throws std::invalid_argument as decodedImageOf()
-  const cv::Mat& pixels() {
-    if (!picture_.pixels.empty()) return picture_.pixels;
-    constexpr int kColour = 3;
-    picture_ = raw_ ? decodedImageOf(raw_) : decodedImageOf(*compressed_, kColour);
-    return picture_.pixels;
-  }
+  cv::Size size();
+  /// @throws std::invalid_argument as decodedImageOf()
+  const cv::Mat& pixels();
+  /// CV_8UC1 on the grid of `working_width` (workingGrid()), kept instead of the whole picture. A JPEG is
+  /// decoded no finer than that needs. @throws std::invalid_argument as decodedImageOf()
+  const cv::Mat& greyOnGrid(int working_width);
 
  private:
+  cv::Mat decodedFor(int working_width);
+
   sensor_msgs::ImageConstPtr raw_;
   sensor_msgs::CompressedImageConstPtr compressed_;
   DecodedImage picture_;
+  cv::Size size_;  // where it is known from a grey picture
+  cv::Mat grey_;
+  int grey_width_ = 0;  // working_width of grey_
 };
 
 }  // namespace radar_dot
