@@ -33,6 +33,8 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
   void onImage(LazyImage picture);
+  /// Is it known that the vehicle stands?
+  bool stands(const ros::Time& stamp) const;
   /// Has the waiting pair looked at, `delay` s from now.
   void scheduleQueue(double delay);
   /// Computes the waiting pair, when what it starts from is there or has been waited for long enough.
@@ -55,7 +57,8 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   ProcessTimer compute_timer_;
 
   double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;  // s, of the latest pair
-  std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0;
+  std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0, repeated_ = 0;
+  std::size_t repeated_since_report_ = 0;
 };
 
 }  // namespace radar_dot

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "nodelets/messages/image_messages.h"
 
@@ -15,6 +17,8 @@ class LazyImage {
   explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed) : compressed_(std::move(compressed)) {}
 
   const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
+  /// Is it the same picture, byte for byte? Others differ after a few bytes.
+  bool repeats(const LazyImage& other) const { return bytes() == other.bytes(); }
   /// Raw images need not be converted for it. @throws std::invalid_argument as decodedImageOf()
   cv::Size size() { return raw_ ? imageSizeOf(*raw_, "image") : pixels().size(); }
   /// @throws std::invalid_argument as decodedImageOf()
@@ -26,6 +30,8 @@ class LazyImage {
   }
 
  private:
+  const std::vector<std::uint8_t>& bytes() const { return raw_ ? raw_->data : compressed_->data; }
+
   sensor_msgs::ImageConstPtr raw_;
   sensor_msgs::CompressedImageConstPtr compressed_;
   DecodedImage picture_;
