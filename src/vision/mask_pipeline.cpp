@@ -86,6 +86,7 @@ void MaskPipelineParams::describe(FieldList& fields) {
 void validate(const MaskPipelineParams& params) {
   validateFields(params);
   validate(params.motion);
+  readIgnoreMask(params.ignore_mask);
 }
 
 MaskPipeline::MaskPipeline(const MaskPipelineParams& params)

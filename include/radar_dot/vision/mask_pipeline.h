@@ -39,7 +39,7 @@ struct MaskPipelineParams {
   bool usesBackwardFlow() const { return looksBack() || remembers(); }
   void describe(FieldList& fields);
 };
-/// @throws InvalidParameter
+/// @throws InvalidParameter, also where ignore_mask cannot be read
 void validate(const MaskPipelineParams& params);
 
 /// Two images, their flow and depths on one grid, and the vehicle's motion between them. Images are read
