@@ -46,6 +46,7 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   std::unique_ptr<OpticalFlow> flow_;  // none: no backend could be made
   SharedImage previous_;
   std::optional<Pair> waiting_;
+  std::size_t repeated_ = 0, repeated_since_report_ = 0;  // images
 
   // For initialisation "expected".
   std::unique_ptr<EgoMotion> motion_;
@@ -57,8 +58,7 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   ProcessTimer compute_timer_;
 
   double interval_ = 0.0, computation_time_ = 0.0, latency_ = 0.0;  // s, of the latest pair
-  std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0, repeated_ = 0;
-  std::size_t repeated_since_report_ = 0;
+  std::size_t computed_ = 0, replaced_ = 0, apart_ = 0, without_start_ = 0;
 };
 
 }  // namespace radar_dot

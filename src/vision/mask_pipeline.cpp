@@ -125,6 +125,10 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
     input.flow_valid = pair.flow.valid;
   }
   input.depth = pair.depth;
+  if (!ignored_on_grid_.empty()) {
+    input.depth = pair.depth.clone();
+    input.depth.setTo(kUnknown, ignored_on_grid_);
+  }
   input.next_depth = pair.next_depth;
   if (params_.usesDepthUncertainty()) input.depth_std = pair.depth_std;
   if (params_.byUncertainty() || params_.refine) {
@@ -202,14 +206,10 @@ void MaskPipeline::remember(const MaskPair& pair, const MaskOutcome& outcome) {
 }
 
 MaskOutcome MaskPipeline::process(const MaskPair& pair) {
+  const cv::Mat& ignored = ignoredOn(pair.depth.size());
   MaskOutcome outcome;
   MotionInput& input = outcome.input;
   input = inputOf(pair);
-  const cv::Mat& ignored = ignoredOn(input.depth.size());
-  if (!ignored.empty()) {
-    input.depth = pair.depth.clone();
-    input.depth.setTo(kUnknown, ignored);
-  }
   if (params_.refine) refine(pair, input);
   const FlowField* backward = backwardTo(pair);
   std::optional<MotionInput> before;

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "nodelets/messages/image_messages.h"
 
@@ -16,9 +14,12 @@ class LazyImage {
   explicit LazyImage(sensor_msgs::ImageConstPtr raw) : raw_(std::move(raw)) {}
   explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed) : compressed_(std::move(compressed)) {}
 
+  /// Is it the same picture of the same input, byte for byte? Others differ after a few bytes.
+  bool repeats(const LazyImage& other) const {
+    return raw_ ? raw_->data == other.raw_->data : compressed_->data == other.compressed_->data;
+  }
+
   const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
-  /// Is it the same picture, byte for byte? Others differ after a few bytes.
-  bool repeats(const LazyImage& other) const { return bytes() == other.bytes(); }
   /// Raw images need not be converted for it. @throws std::invalid_argument as decodedImageOf()
   cv::Size size() { return raw_ ? imageSizeOf(*raw_, "image") : pixels().size(); }
   /// @throws std::invalid_argument as decodedImageOf()
@@ -30,8 +31,6 @@ class LazyImage {
   }
 
  private:
-  const std::vector<std::uint8_t>& bytes() const { return raw_ ? raw_->data : compressed_->data; }
-
   sensor_msgs::ImageConstPtr raw_;
   sensor_msgs::CompressedImageConstPtr compressed_;
   DecodedImage picture_;
