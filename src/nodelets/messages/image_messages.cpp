@@ -109,22 +109,6 @@ bool isGridOf(const cv::Size& grid, const cv::Size& image) {
   return std::abs(height - grid.height) <= std::max(1.0, 0.02 * height);
 }
 
-DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message) {
-  imageSizeOf(*message, "image");
-  const std::string& encoding = message->encoding;
-  const std::string& wanted = isGrey(*message) ? encodings::MONO8 : encodings::BGR8;
-  // OpenCV's own names say nothing of colours: theirs are grey, and blue first.
-  const bool is_plain = encoding == encodings::TYPE_8UC1 || encoding == encodings::TYPE_8UC3;
-  try {
-    const cv_bridge::CvImageConstPtr converted =
-        is_plain ? cv_bridge::toCvShare(message) : cv_bridge::toCvShare(message, wanted);
-    return {message->header, converted->image, converted};
-  } catch (const std::exception& error) {
-    throw std::invalid_argument("image of encoding '" + encoding + "': " + error.what() +
-                                "; send mono8, mono16, rgb8, bgr8, bayer_* or yuv422");
-  }
-}
-
 sensor_msgs::ImageConstPtr withEightBits(const sensor_msgs::ImageConstPtr& message, int& bits) {
   constexpr int kByte = 8, kWord = 16;
   const std::string& encoding = message->encoding;
@@ -143,6 +127,22 @@ sensor_msgs::ImageConstPtr withEightBits(const sensor_msgs::ImageConstPtr& messa
   while (bits < kWord && most >= 1 << bits) bits += 2;
   pixels.convertTo(narrow, CV_8U, 1.0 / (1 << (bits - kByte)));
   return imageMessage(message->header, is_grey ? encodings::MONO8 : encodings::BGR8, narrow);
+}
+
+DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message) {
+  imageSizeOf(*message, "image");
+  const std::string& encoding = message->encoding;
+  const std::string& wanted = isGrey(*message) ? encodings::MONO8 : encodings::BGR8;
+  // OpenCV's own names say nothing of colours: theirs are grey, and blue first.
+  const bool is_plain = encoding == encodings::TYPE_8UC1 || encoding == encodings::TYPE_8UC3;
+  try {
+    const cv_bridge::CvImageConstPtr converted =
+        is_plain ? cv_bridge::toCvShare(message) : cv_bridge::toCvShare(message, wanted);
+    return {message->header, converted->image, converted};
+  } catch (const std::exception& error) {
+    throw std::invalid_argument("image of encoding '" + encoding + "': " + error.what() +
+                                "; send mono8, mono16, rgb8, bgr8, bayer_* or yuv422");
+  }
 }
 
 DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int channels) {
