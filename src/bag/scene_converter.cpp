@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "radar_dot/bag/messages.h"
+#include "radar_dot/common/image_fault.h"
 #include "radar_dot/dataset/file_bytes.h"
 #include "radar_dot/dataset/point_files.h"
 #include "scene_content.h"
@@ -40,11 +41,13 @@ fs::path bagPath(const Tables& tables, Index scene, const fs::path& folder) {
   return folder / (name + ".bag");
 }
 
-/// The name of a file may say something else.
+/// The name of a file may say something else. @throws DatasetError where it is no whole image
 std::string formatOf(const std::vector<std::uint8_t>& image, const fs::path& file) {
   const auto begins = [&image](std::initializer_list<std::uint8_t> bytes) {
     return image.size() > bytes.size() && std::equal(bytes.begin(), bytes.end(), image.begin());
   };
+  if (const std::string fault = imageFault(image); !fault.empty())
+    throw dataset::DatasetError(file.string() + ": is no whole image: " + fault);
   if (begins({0xff, 0xd8, 0xff})) return "jpeg";
   if (begins({0x89, 'P', 'N', 'G'})) return "png";
   throw dataset::DatasetError(file.string() + ": is neither a JPEG nor a PNG image");

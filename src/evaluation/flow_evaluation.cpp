@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <opencv2/imgcodecs.hpp>
 
 #include "radar_dot/evaluation/segmentation_evaluation.h"
 #include "radar_dot/vision/camera_intrinsics.h"
@@ -73,9 +72,7 @@ void requireFile(const fs::path& file) {
 
 cv::Mat readImage(const fs::path& file) {
   requireFile(file);
-  cv::Mat image = cv::imread(file.string(), cv::IMREAD_COLOR);
-  if (image.empty()) throw DatasetError(file.string() + ": cannot be read as an image");
-  return image;
+  return readColour(file);
 }
 
 void requireSize(const fs::path& file, const cv::Size& size, const cv::Size& wanted) {

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <stdexcept>
 
@@ -100,8 +99,7 @@ const cv::Mat& SceneDepths::imageOf(Index row) {
   cv::Mat& image = pictures_[row];
   if (image.empty()) {
     const fs::path path = tables_.path(reading(row));
-    image = cv::imread(path.string(), cv::IMREAD_COLOR);
-    if (image.empty()) throw DatasetError(fmt::format("{}: cannot be read as an image", path.string()));
+    image = readColour(path);
     const cv::Size told(reading(row).width, reading(row).height);
     if (image.size() != told)
       throw DatasetError(fmt::format("{}: has {}x{} px, not the {}x{} of sample_data.json", path.string(),

@@ -6,7 +6,11 @@
 
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
 
+#include "radar_dot/common/image_fault.h"
+#include "radar_dot/dataset/file_bytes.h"
 #include "radar_dot/dataset/tables.h"
 
 namespace radar_dot::evaluation {
@@ -23,6 +27,16 @@ cv::Mat read(const std::filesystem::path& file, int type, const char* wanted) {
 }
 
 }  // namespace
+
+cv::Mat readColour(const std::filesystem::path& file) {
+  const std::vector<std::uint8_t> bytes = dataset::readBytes(file);
+  const std::string fault = imageFault(bytes);
+  cv::Mat image = fault.empty() ? cv::imdecode(bytes, cv::IMREAD_COLOR) : cv::Mat();
+  if (image.empty())
+    throw dataset::DatasetError(
+        fmt::format("{}: cannot be read as an image{}{}", file.string(), fault.empty() ? "" : ": ", fault));
+  return image;
+}
 
 FlowField readFlow(const std::filesystem::path& file) {
   const cv::Mat code = read(file, CV_16UC3, "a flow in KITTI's form, a PNG of three 16-bit channels");

@@ -10,6 +10,9 @@
 
 namespace radar_dot::evaluation {
 
+/// A whole image, CV_8UC3 (BGR). @throws dataset::DatasetError naming the file.
+cv::Mat readColour(const std::filesystem::path& file);
+
 /// Flow of a PNG in KITTI's 16-bit form, px of its own grid; not valid and NaN where it says so.
 /// @throws dataset::DatasetError naming the file.
 FlowField readFlow(const std::filesystem::path& file);

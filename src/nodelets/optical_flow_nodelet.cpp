@@ -82,6 +82,13 @@ void OpticalFlowNodelet::onImage(LazyImage picture) {
     previous_ = current;
     return;
   }
+  // The sensor's noise makes any two pictures differ. A simulated camera has none.
+  if (current->repeats(*before) && !stands(current->header().stamp)) {
+    ++repeated_;
+    ++repeated_since_report_;
+    warn("repeated", "images on '" + image_->topic() + "' repeat the one before under a new stamp; left out");
+    return;
+  }
   const double interval = current->header().stamp.toSec() - before->header().stamp.toSec();
   if (interval < config_.pair_interval * (1.0 - kIntervalTolerance)) return;
   interval_ = interval;
@@ -99,6 +106,14 @@ void OpticalFlowNodelet::onImage(LazyImage picture) {
   const bool forward = config_.direction == FlowDirection::kForward;
   waiting_ = Pair{forward ? before : current, forward ? current : before, since};
   scheduleQueue(kNext);
+}
+
+bool OpticalFlowNodelet::stands(const ros::Time& stamp) const {
+  constexpr double kSlow = 0.3;  // m/s, and rad/s 10 m away
+  constexpr double kFar = 10.0;  // m
+  std::string missing;
+  const std::optional<StampedTwist> twist = motion_->velocityAt(stamp, kTwistHold, missing);
+  return twist && twist->linear.norm() < kSlow && twist->angular.norm() * kFar < kSlow;
 }
 
 void OpticalFlowNodelet::scheduleQueue(double delay) {
@@ -205,6 +220,13 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
       status.mergeSummaryf(DiagnosticStatus::ERROR, "images are %.2f s apart, more than %s (%.2f s)",
                            interval_, nameOf(config_, config_.max_pair_gap), config_.max_pair_gap);
     }
+    if (repeated_since_report_ > 0) {
+      status.mergeSummaryf(DiagnosticStatus::ERROR, "the last %zu images repeat the one before",
+                           repeated_since_report_);
+    }
+  } else if (repeated_since_report_ > 0) {
+    status.summaryf(DiagnosticStatus::WARN, "%zu images repeat the one before, and are left out",
+                    repeated_since_report_);
   } else if (without_start_ > 0) {
     status.summaryf(DiagnosticStatus::WARN, "%zu pairs without an initial flow", without_start_);
   } else {
@@ -219,7 +241,8 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.addf("pairs", "%zu", computed_);
   status.addf("pairs replaced by later ones", "%zu", replaced_);
   status.addf("images too far apart", "%zu", apart_);
-  without_start_ = 0;
+  status.addf("images repeated", "%zu", repeated_);
+  without_start_ = repeated_since_report_ = 0;
 }
 
 }  // namespace radar_dot

@@ -33,6 +33,8 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
 
   void onImage(LazyImage picture);
+  /// Is it known that the vehicle stands?
+  bool stands(const ros::Time& stamp) const;
   /// Has the waiting pair looked at, `delay` s from now.
   void scheduleQueue(double delay);
   /// Computes the waiting pair, when what it starts from is there or has been waited for long enough.
@@ -45,6 +47,7 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   std::unique_ptr<OpticalFlow> flow_;  // none: no backend could be made
   SharedImage previous_;
   std::optional<Pair> waiting_;
+  std::size_t repeated_ = 0, repeated_since_report_ = 0;  // images
 
   // For initialisation "expected".
   std::unique_ptr<EgoMotion> motion_;

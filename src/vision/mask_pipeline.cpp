@@ -2,10 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/vision/mask_pipeline.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
 
 #include "radar_dot/vision/motion_history.h"
 #include "radar_dot/vision/return_reach.h"
@@ -16,6 +22,7 @@ namespace {
 
 // Those of pairs that wait elsewhere for the rest of their inputs. A pair that was processed drops its own.
 constexpr std::size_t kMaxBackward = 6;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Do pairs score the same with both? How the past is used, and which inputs are taken, does not matter.
 bool sameScores(MaskPipelineParams a, const MaskPipelineParams& b) {
@@ -36,6 +43,16 @@ MotionDepthParams followed() {
 /// must not confirm that mask.
 bool showsOwnMotion(const CloudPoint& point, double min_residual) {
   return std::isnan(point.residual) || std::abs(point.residual) >= static_cast<float>(min_residual);
+}
+
+/// 255 where a file is white; empty without one.
+cv::Mat readIgnoreMask(const std::string& file) {
+  if (file.empty()) return {};
+  const cv::Mat image = cv::imread(file, cv::IMREAD_GRAYSCALE);
+  if (image.empty())
+    throw InvalidParameter({"ignore_mask"}, "ignore_mask: " + file + ": cannot be read as an image");
+  constexpr int kWhite = 128;
+  return image >= kWhite;
 }
 
 }  // namespace
@@ -73,17 +90,29 @@ void MaskPipelineParams::describe(FieldList& fields) {
       "Time constant with which the previous mask, warped with the flow as log-odds, decays; 0: off (score "
       "uncertainty)",
       "s", {0.0, 60.0});
+  fields.group("Vehicle in its image");
+  fields.add("ignore_mask", ignore_mask,
+             "Image file of the camera's shape that is white where bonnet, mirrors or wipers are seen: these "
+             "pixels are not valid");
 }
 
 void validate(const MaskPipelineParams& params) {
   validateFields(params);
   validate(params.motion);
+  readIgnoreMask(params.ignore_mask);
 }
 
 MaskPipeline::MaskPipeline(const MaskPipelineParams& params)
-    : params_(params), segmenter_(params.motion), depth_(followed()) {}
+    : params_(params),
+      segmenter_(params.motion),
+      ignored_(readIgnoreMask(params.ignore_mask)),
+      depth_(followed()) {}
 
 void MaskPipeline::configure(const MaskPipelineParams& params) {
+  if (params.ignore_mask != params_.ignore_mask) {
+    ignored_ = readIgnoreMask(params.ignore_mask);
+    ignored_on_grid_.release();
+  }
   if (!sameFields(params_.motion, params.motion)) segmenter_ = MotionSegmenter(params.motion);
   if (!sameScores(params_, params)) clear();
   params_ = params;
@@ -113,6 +142,10 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
     input.flow_valid = pair.flow.valid;
   }
   input.depth = pair.depth;
+  if (!ignored_on_grid_.empty()) {
+    input.depth = pair.depth.clone();
+    input.depth.setTo(kUnknown, ignored_on_grid_);
+  }
   input.next_depth = pair.next_depth;
   if (params_.usesDepthUncertainty()) input.depth_std = pair.depth_std;
   if (params_.byUncertainty() || params_.refine) {
@@ -132,6 +165,19 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
       input.static_points.emplace_back(T_camera_from_base * point.position);
   }
   return input;
+}
+
+const cv::Mat& MaskPipeline::ignoredOn(const cv::Size& grid) {
+  if (ignored_.empty() || ignored_on_grid_.size() == grid) return ignored_on_grid_;
+  const double rows = static_cast<double>(ignored_.rows) * grid.width / ignored_.cols;
+  constexpr double kRounding = 0.02;
+  if (std::abs(rows - grid.height) > std::max(1.0, kRounding * rows))
+    throw std::invalid_argument(
+        fmt::format("ignore_mask {} of {} x {} px does not have the shape of {} x {} px", params_.ignore_mask,
+                    ignored_.cols, ignored_.rows, grid.width, grid.height));
+  // Not 0 where a part of a pixel is ignored.
+  cv::resize(ignored_, ignored_on_grid_, grid, 0.0, 0.0, cv::INTER_AREA);
+  return ignored_on_grid_;
 }
 
 /// Motion, its covariance, and where depth shows the ground, both depths, by the image.
@@ -206,6 +252,7 @@ void MaskPipeline::remember(const MaskPair& pair, const MaskOutcome& outcome) {
 }
 
 MaskOutcome MaskPipeline::process(const MaskPair& pair) {
+  const cv::Mat& ignored = ignoredOn(pair.depth.size());
   MaskOutcome outcome;
   MotionInput& input = outcome.input;
   input = inputOf(pair);
@@ -217,6 +264,7 @@ MaskOutcome MaskPipeline::process(const MaskPair& pair) {
   }
   const FlowField* backward = backwardTo(pair);
   if (params_.remembers()) input.belief = beliefFor(pair, backward);
+  if (!ignored.empty() && !input.belief.empty()) input.belief.setTo(kUnknown, ignored);
   if (params_.followsDepth()) followDepth(pair, backward, input.belief, input);
   std::optional<MotionInput> before;
   if (params_.looksBack() && backward != nullptr)

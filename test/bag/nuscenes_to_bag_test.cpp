@@ -184,6 +184,10 @@ TEST_F(NuscenesToBag, ResumesWithPartOfTheDatasetOnDisk) {
 TEST_F(NuscenesToBag, ABrokenFileCostsItsSceneAlone) {
   const dataset::Tables tables = dataset::Tables::load(fixture_.dataroot());
   const fs::path broken = tables.path(at(tables.sample_data, tables.readingsOf(0, "CAM_FRONT")[2]));
+  const fs::path whole = output() / "whole.jpg";
+  fs::create_directories(output());
+  fs::copy_file(broken, whole);
+  const std::uintmax_t image_size = fs::file_size(broken);
   test::writeFile(broken, "<html>404 Not Found</html>");
   const Outcome outcome = run(arguments());
   EXPECT_EQ(outcome.exit_code, 3) << outcome.errors;
@@ -192,6 +196,15 @@ TEST_F(NuscenesToBag, ABrokenFileCostsItsSceneAlone) {
       << outcome.errors;
   EXPECT_FALSE(fs::exists(output() / "scene-0001.bag"));
   EXPECT_TRUE(fs::exists(output() / "scene-0002.bag"));
+
+  // Empty, and half of a JPEG, which can be decoded.
+  for (const std::uintmax_t size : {std::uintmax_t{0}, image_size / 2}) {
+    fs::copy_file(whole, broken, fs::copy_options::overwrite_existing);
+    fs::resize_file(broken, size);
+    const Outcome again = run(arguments({"--force"}));
+    EXPECT_EQ(again.exit_code, 3) << again.errors;
+    EXPECT_NE(again.errors.find(broken.string() + ": is no whole image"), std::string::npos) << again.errors;
+  }
 }
 
 TEST_F(NuscenesToBag, BadInputGetsOneLine) {

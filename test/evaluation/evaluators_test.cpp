@@ -209,7 +209,9 @@ TEST_F(Evaluators, ABrokenFileCostsItsSceneAlone) {
     const test::NuscenesFixture fixture;
     const dataset::Tables tables = dataset::Tables::load(fixture.dataroot());
     const fs::path broken = tables.path(at(tables.sample_data, tables.readingsOf(0, input.channel)[1]));
-    test::writeFile(broken, "404 Not Found");
+    const bool is_image = std::string(input.channel) == "CAM_FRONT";
+    // Half a JPEG can be decoded.
+    is_image ? fs::resize_file(broken, fs::file_size(broken) / 2) : test::writeFile(broken, "404 Not Found");
     const std::string root = "--version v1.0-mini --dataroot " + fixture.dataroot().string() + input.options;
     const Outcome alone = runTool(input.tool, root + " --scenes scene-0002" + files());
     ASSERT_EQ(alone.exit_code, 0) << alone.text;

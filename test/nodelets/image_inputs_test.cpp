@@ -10,6 +10,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
@@ -123,11 +124,73 @@ TEST_F(ImageInputs, WrongImagesAreRefused) {
   EXPECT_TRUE(compressed.grows());
 }
 
+TEST_F(ImageInputs, JpegsThatEndEarlyAreRefused) {
+  const Recorder<Flow> compressed(handle_, "backward_flow/flow");
+  ASSERT_TRUE(compressed.grows());
+  expectReported(
+      [](Frame& frame) {
+        std::vector<std::uint8_t>& bytes = frame.compressed.data;
+        cv::imencode(".jpg", matOf(frame.image, CV_8UC1), bytes);
+        bytes.resize(bytes.size() / 2);
+      },
+      "backward_flow: input image", "Premature end");
+  EXPECT_TRUE(compressed.grows());
+}
+
+/// Every other image is the one before again.
+class Repeating {
+ public:
+  void operator()(Frame& frame) {
+    is_repeated_ = !is_repeated_;
+    if (is_repeated_) {
+      frame.image.data = before_.image.data;
+      frame.compressed.data = before_.compressed.data;
+    } else {
+      before_ = frame;
+    }
+  }
+
+ private:
+  bool is_repeated_ = true;
+  Frame before_;
+};
+
+TEST_F(ImageInputs, PairsReachAcrossImagesThatRepeat) {
+  const Recorder<Image> images(handle_, "image");
+  const Recorder<Flow> before(handle_, "raw_flow/flow"), expected(handle_, "expected_flow/flow");
+  ASSERT_TRUE(before.grows() && expected.grows());
+  camera_.set(Repeating());
+  EXPECT_TRUE(diagnostics_.says("raw_flow: flow", DiagnosticStatus::WARN, "repeat the one before"));
+  EXPECT_TRUE(diagnostics_.says("expected_flow: flow", DiagnosticStatus::WARN, "repeat the one before"));
+  const Recorder<Flow> flows(handle_, "raw_flow/flow");
+  ASSERT_TRUE(flows.grows(9));
+  for (const auto& flow : flows.messages())
+    EXPECT_NEAR((flow->second_stamp - flow->header.stamp).toSec(), 0.2, 0.05);
+  EXPECT_NEAR(medianFlow(flows, images), kShift, 0.5);
+  camera_.set({});
+  EXPECT_TRUE(diagnostics_.says("raw_flow: flow", DiagnosticStatus::OK, ""));
+}
+
+// A simulated camera has no noise.
+TEST_F(ImageInputs, ImagesOfAVehicleThatStandsMayBeTheSame) {
+  camera_.set([](Frame& frame) {
+    frame.image = VisionWorld::image(frame.image.header.stamp, 0.0);
+    frame.twist.twist.twist = {};
+  });
+  const Recorder<Image> images(handle_, "image");
+  ASSERT_TRUE(images.grows(9));
+  const Recorder<Flow> flows(handle_, "expected_flow/flow");
+  ASSERT_TRUE(flows.grows(3));
+  EXPECT_TRUE(waitUntil([&] { return cv::norm(matOf(flows.latest()->flow, CV_32FC2), cv::NORM_INF) < 0.1; }));
+}
+
 TEST_F(ImageInputs, ImagesMayChangeTheirSize) {
   const Recorder<Flow> raw(handle_, "raw_flow/flow");
   ASSERT_TRUE(raw.grows());
   camera_.set([](Frame& frame) {
-    frame.image = imageOf(frame.image.header.stamp, "mono8", cv::Mat(360, 640, CV_8UC1, cv::Scalar(90)));
+    cv::Mat larger;
+    cv::resize(matOf(frame.image, CV_8UC1), larger, {640, 360});
+    frame.image = imageOf(frame.image.header.stamp, "mono8", larger);
   });
   EXPECT_TRUE(waitUntil([&] { return raw.latest()->image_width == 640U; }));
   camera_.set({});

@@ -97,6 +97,62 @@ TEST(PictureOf, ConvertsOtherOrdersOfChannels) {
             cv::Vec3b(4, 5, 6));
 }
 
+sensor_msgs::ImageConstPtr messageOf(const std::string& encoding, const cv::Mat& pixels) {
+  return imageMessage({}, encoding, pixels);
+}
+
+TEST(PictureOf, TakesOpenCvsNamesForGreyAndBgr) {
+  for (const auto& [encoding, channels] : {std::pair<const char*, int>{"8UC3", 3}, {"8UC1", 1}}) {
+    const sensor_msgs::ImageConstPtr message = imageOf(encoding, static_cast<std::uint32_t>(channels));
+    const DecodedImage picture = decodedImageOf(message);
+    EXPECT_EQ(picture.pixels.type(), CV_8UC(channels));
+    EXPECT_EQ(picture.pixels.data, message->data.data()) << "it was copied";
+  }
+}
+
+TEST(PictureOf, ConvertsMosaicsAndLuminances) {
+  cv::Mat red(8, 8, CV_8UC1, cv::Scalar(0));
+  for (int row = 0; row < 8; row += 2)
+    for (int column = 0; column < 8; column += 2) red.at<std::uint8_t>(row, column) = 200;
+  EXPECT_EQ(decodedImageOf(messageOf("bayer_rggb8", red)).pixels.at<cv::Vec3b>(4, 4), cv::Vec3b(0, 0, 200));
+  EXPECT_EQ(decodedImageOf(messageOf("bayer_bggr8", red)).pixels.at<cv::Vec3b>(4, 4), cv::Vec3b(200, 0, 0));
+  // Without colour; luminance 16 is black, 235 is white.
+  const cv::Mat yuv(4, 4, CV_8UC2, cv::Scalar(128, 126));
+  const auto pixel = decodedImageOf(messageOf("yuv422", yuv)).pixels.at<cv::Vec3b>(1, 1);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(pixel[i], 255.0 * (126 - 16) / (235 - 16), 1.0);
+}
+
+TEST(WithEightBits, FindsThoseThatAreUsed) {
+  cv::Mat ramp(1, 256, CV_16UC1);
+  for (int i = 0; i < 256; ++i) ramp.at<std::uint16_t>(i) = static_cast<std::uint16_t>(i);
+  for (const int used : {10, 12, 14, 16}) {
+    int bits = 8;
+    const cv::Mat shifted = ramp * (1 << (used - 8));
+    const auto message = withEightBits(messageOf("mono16", shifted), bits);
+    EXPECT_EQ(bits, used);
+    const cv::Mat pixels = decodedImageOf(message).pixels;
+    for (int i = 0; i < 256; ++i) ASSERT_EQ(pixels.at<std::uint8_t>(i), i) << used << " bits";
+    // A dark image of the stream stays dark.
+    const cv::Mat dark = shifted / 16;
+    EXPECT_EQ(decodedImageOf(withEightBits(messageOf("mono16", dark), bits)).pixels.at<std::uint8_t>(255),
+              16);
+  }
+}
+
+TEST(WithEightBits, KeepsColours) {
+  int bits = 8;
+  const cv::Mat rgb(4, 4, CV_16UC3, cv::Scalar(4080, 1600, 160));
+  EXPECT_EQ(decodedImageOf(withEightBits(messageOf("rgb16", rgb), bits)).pixels.at<cv::Vec3b>(0, 0),
+            cv::Vec3b(10, 100, 255));
+  const cv::Mat grey(8, 8, CV_16UC1, cv::Scalar(1600));
+  EXPECT_EQ(decodedImageOf(withEightBits(messageOf("bayer_rggb16", grey), bits)).pixels.at<cv::Vec3b>(4, 4),
+            cv::Vec3b(100, 100, 100));
+  for (const char* encoding : {"mono8", "bgr8", "8UC3", "16UC1", "32FC1"}) {
+    const sensor_msgs::ImageConstPtr message = imageOf(encoding, 4);
+    EXPECT_EQ(withEightBits(message, bits), message) << encoding;
+  }
+}
+
 TEST(PictureOf, DeepGreyStaysGreyOverTheWholeRange) {
   const sensor_msgs::ImagePtr message = imageOf("mono16", 2);
   setPixel<std::uint16_t>(*message, 0, 0, 0);
@@ -108,9 +164,9 @@ TEST(PictureOf, DeepGreyStaysGreyOverTheWholeRange) {
 }
 
 TEST(PictureOf, RefusesWhatIsNoPictureByItsEncoding) {
-  for (const char* encoding : {"yuv9000", "", "32FC1"}) {
+  for (const char* encoding : {"yuv9000", "", "32FC1", "16UC1"}) {
     expectRefusal([&] { decodedImageOf(sensor_msgs::ImageConstPtr(imageOf(encoding, 4))); },
-                  {"encoding '" + std::string(encoding) + "'"});
+                  {"encoding '" + std::string(encoding) + "'", "send mono8"});
   }
 }
 
@@ -204,6 +260,12 @@ TEST(PictureOf, RefusesBytesThatAreNoImage) {
   }
   for (const char* format : {"jpg", "png"}) {
     message = compressed(format, {1.0, 2.0, 3.0});
+    for (const std::size_t part : {30, 2}) {
+      message.data.resize(message.data.size() - message.data.size() / part);
+      for (const int channels : {1, 3})
+        expectRefusal([&] { decodedImageOf(message, channels); },
+                      {std::to_string(message.data.size()) + " bytes"});
+    }
     message.data.resize(12);
     EXPECT_THROW(decodedImageOf(message, 3), std::invalid_argument)
         << format << " without more than its first bytes";

@@ -52,13 +52,14 @@ void LiveCamera::publish() {
   frame.compressed = compress(frame.image);
   frame.depth = imageOf(stamp, "16UC1", cv::Mat(180, 320, CV_16UC1, cv::Scalar(7500)));
   frame.mask = imageOf(stamp, "mono8", cv::Mat::zeros(180, 320, CV_8UC1));
+  frame.twist = VisionWorld::twist(stamp);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (fault_) fault_(frame);
   }
   // The scans are a tenth of a second old when the image is taken: the vehicle has come nearer.
   const ros::Time scan = stamp - ros::Duration(0.1);
-  twist_.publish(VisionWorld::twist(stamp));
+  twist_.publish(frame.twist);
   camera_.publish(VisionWorld::cameraInfo(stamp));
   radar_.publish(cloudOf(scan, "base_link", {{kReturnAhead, 0.0F, 0.5F}}));
   lidar_.publish(cloudOf(scan, "base_link", {{kReturnAhead, 0.0F, 1.5F}, {NAN, 0.0F, 0.0F}}));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
@@ -27,6 +28,7 @@ class LiveCamera {
     sensor_msgs::CompressedImage compressed;
     sensor_msgs::Image depth;
     sensor_msgs::Image mask;
+    geometry_msgs::TwistWithCovarianceStamped twist;
   };
   using Fault = std::function<void(Frame&)>;
 

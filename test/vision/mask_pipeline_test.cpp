@@ -7,8 +7,11 @@
 #include <functional>
 #include <limits>
 #include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
 #include <vector>
 
+#include "fixtures/refusal.h"
 #include "radar_dot/vision/rigid_motion.h"
 
 namespace radar_dot {
@@ -158,6 +161,53 @@ TEST(MaskPipeline, WhatItKeepsIsItsOwn) {
   const MaskOutcome outcome = pipeline.process(Drive::pair(1, 2));
   EXPECT_TRUE(outcome.looked_back);
   EXPECT_EQ(cv::countNonZero(outcome.result.mask), 0);
+}
+
+// A bonnet does not move in the image, and fills its lower third. So much of it would spoil the motion as
+// well.
+TEST(MaskPipeline, TheVehicleInItsImageIsIgnored) {
+  const cv::Rect bonnet(0, 80, kWidth, 40);
+  const auto with_bonnet = [&bonnet](int first, int second) {
+    MaskPair pair = Drive::pair(first, second, 10.0F);
+    pair.flow.flow(bonnet).setTo(cv::Scalar::all(0.0));
+    return pair;
+  };
+  const cv::Rect scene(0, 0, kWidth, bonnet.y);
+  const std::string file = testing::TempDir() + "ignore_mask.png";
+  cv::Mat image(4 * kHeight, 4 * kWidth, CV_8UC1, cv::Scalar(0));
+  image(cv::Rect(0, 4 * bonnet.y, 4 * kWidth, 4 * bonnet.height)).setTo(255);
+  ASSERT_TRUE(cv::imwrite(file, image));
+  MaskPipelineParams params = Drive::params();
+  params.look_back = params.refine = true;
+  params.memory = 1.0;
+  MaskPipeline marked(params);
+  EXPECT_GT(cv::countNonZero(marked.process(with_bonnet(0, 1)).result.mask(bonnet)), 1000);
+  params.ignore_mask = file;
+  MaskPipeline pipeline;
+  pipeline.configure(params);
+  params.ignore_mask.clear();
+  MaskPipeline without(params);
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0) {
+      pipeline.addBackward(kStep * i, kStep * (i - 1), with_bonnet(i, i - 1).flow);
+      without.addBackward(kStep * i, kStep * (i - 1), Drive::pair(i, i - 1, 10.0F).flow);
+    }
+    const MaskOutcome outcome = pipeline.process(with_bonnet(i, i + 1));
+    const MaskOutcome wanted = without.process(Drive::pair(i, i + 1, 10.0F));
+    EXPECT_EQ(cv::countNonZero(outcome.result.mask(bonnet)), 0) << "pair " << i;
+    EXPECT_EQ(cv::countNonZero(outcome.result.valid(bonnet)), 0);
+    EXPECT_EQ(cv::countNonZero(outcome.result.mask(kPatch)), kPatch.area());
+    EXPECT_EQ(cv::countNonZero(outcome.result.mask(scene) != wanted.result.mask(scene)), 0);
+    EXPECT_NEAR((outcome.input.T_current_from_previous.translation() - Eigen::Vector3d(0, 0, -1)).norm(), 0.0,
+                1e-3);
+  }
+  ASSERT_TRUE(cv::imwrite(file, image.colRange(0, 2 * kWidth)));
+  pipeline.configure(params);
+  params.ignore_mask = file;
+  pipeline.configure(params);
+  test::expectRefusal([&] { pipeline.process(with_bonnet(3, 4)); }, {file, "320 x 480", "160 x 120"});
+  params.ignore_mask = "/nowhere.png";
+  test::expectRefusal<InvalidParameter>([&] { pipeline.configure(params); }, {"ignore_mask", "/nowhere.png"});
 }
 
 TEST(MaskPipeline, OnlyWhatChangesScoresEndsTheHistory) {

@@ -7,6 +7,7 @@
 #include <deque>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "radar_dot/vision/motion_depth.h"
@@ -30,6 +31,7 @@ struct MaskPipelineParams {
   bool motion_depth = false;
   bool look_back = false;
   double memory = 0.0;
+  std::string ignore_mask;
 
   bool byUncertainty() const { return motion.score == MotionScore::kUncertainty; }
   bool looksBack() const { return byUncertainty() && look_back; }
@@ -40,7 +42,7 @@ struct MaskPipelineParams {
   bool usesBackwardFlow() const { return looksBack() || remembers() || followsDepth(); }
   void describe(FieldList& fields);
 };
-/// @throws InvalidParameter
+/// @throws InvalidParameter, also where ignore_mask cannot be read
 void validate(const MaskPipelineParams& params);
 
 /// Two images, their flow and depths on one grid, and the vehicle's motion between them. Images are read
@@ -72,7 +74,7 @@ struct MaskOutcome {
 /// evidence, the previous pair and the memory of earlier masks around MotionSegmenter.
 class MaskPipeline {
  public:
-  /// @throws InvalidParameter
+  /// @throws InvalidParameter, also where ignore_mask cannot be read
   explicit MaskPipeline(const MaskPipelineParams& params = {});
   /// Earlier pairs are forgotten where these would have scored them differently. @throws InvalidParameter
   void configure(const MaskPipelineParams& params);
@@ -82,7 +84,8 @@ class MaskPipeline {
   /// Copied. @param from, to  s, times of its images
   void addBackward(double from, double to, const FlowField& flow);
   /// The mask of a pair. Pairs come in the order of time.
-  /// @throws std::invalid_argument for images of other types or sizes than the camera's grid
+  /// @throws std::invalid_argument for images of other types or sizes than the camera's grid, or of another
+  /// shape than ignore_mask
   MaskOutcome process(const MaskPair& pair);
   void clear();
 
@@ -97,6 +100,7 @@ class MaskPipeline {
     cv::Mat log_odds;   // at its first image
   };
   MotionInput inputOf(const MaskPair& pair) const;
+  const cv::Mat& ignoredOn(const cv::Size& grid);
   void refine(const MaskPair& pair, MotionInput& input) const;
   const FlowField* backwardTo(const MaskPair& pair) const;
   cv::Mat beliefFor(const MaskPair& pair, const FlowField* backward) const;
@@ -106,6 +110,7 @@ class MaskPipeline {
 
   MaskPipelineParams params_;
   MotionSegmenter segmenter_;
+  cv::Mat ignored_, ignored_on_grid_;  // CV_8UC1, not 0: as in the file; empty: nothing
   std::deque<Backward> backward_;
   std::optional<Previous> previous_;
   MotionDepth depth_;

@@ -151,7 +151,10 @@ InputMonitor& StreamNodelet::listenToImages(std::uint32_t queue_size,
     reportProblem("image_transport '" + transport + "' is not one of raw, compressed; using raw");
   return *listenAs<sensor_msgs::Image>(
       "input image", std::move(monitor), "image", queue_size,
-      [body](const sensor_msgs::ImageConstPtr& image) { body(LazyImage(image)); }, std::move(options));
+      [body, bits = std::make_shared<int>(8)](const sensor_msgs::ImageConstPtr& image) {
+        body(LazyImage(withEightBits(image, *bits)));
+      },
+      std::move(options));
 }
 
 bool StreamNodelet::isTopic(const std::string& topic, const std::string& parameter) {

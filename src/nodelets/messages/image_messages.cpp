@@ -12,6 +12,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
+#include "radar_dot/common/image_fault.h"
+
 namespace radar_dot {
 namespace {
 
@@ -58,6 +60,10 @@ void expectEncoding(const sensor_msgs::Image& message, const std::string& encodi
 
 void expectSize(const sensor_msgs::Image& message, const std::string& what) {
   if (message.width == 0 || message.height == 0) throw std::invalid_argument(what + ": it is empty");
+}
+
+bool isGrey(const sensor_msgs::Image& message) {
+  return message.encoding == encodings::MONO8 || message.encoding == encodings::MONO16;
 }
 
 /// A depth as it is: CV_32FC1 in m or CV_16UC1 in mm.
@@ -116,15 +122,39 @@ bool isGridOf(const cv::Size& grid, const cv::Size& image) {
   return std::abs(height - grid.height) <= std::max(1.0, 0.02 * height);
 }
 
+sensor_msgs::ImageConstPtr withEightBits(const sensor_msgs::ImageConstPtr& message, int& bits) {
+  constexpr int kByte = 8, kWord = 16;
+  const std::string& encoding = message->encoding;
+  const bool is_deep = encoding.find("16") != std::string::npos && encoding != encodings::TYPE_16UC1;
+  if (!is_deep) return message;
+  imageSizeOf(*message, "image");
+  const bool is_grey = isGrey(*message);
+  cv::Mat pixels, narrow;
+  try {
+    pixels = cv_bridge::toCvShare(message, is_grey ? encodings::MONO16 : encodings::BGR16)->image;
+  } catch (const std::exception&) {
+    return message;  // refused by whoever asks for its pixels
+  }
+  double most = 0.0;
+  cv::minMaxLoc(pixels.reshape(1), nullptr, &most);
+  while (bits < kWord && most >= 1 << bits) bits += 2;
+  pixels.convertTo(narrow, CV_8U, 1.0 / (1 << (bits - kByte)));
+  return imageMessage(message->header, is_grey ? encodings::MONO8 : encodings::BGR8, narrow);
+}
+
 DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message) {
   imageSizeOf(*message, "image");
-  const bool grey = message->encoding == encodings::MONO8 || message->encoding == encodings::MONO16;
+  const std::string& encoding = message->encoding;
+  const std::string& wanted = isGrey(*message) ? encodings::MONO8 : encodings::BGR8;
+  // OpenCV's own names say nothing of colours: theirs are grey, and blue first.
+  const bool is_plain = encoding == encodings::TYPE_8UC1 || encoding == encodings::TYPE_8UC3;
   try {
     const cv_bridge::CvImageConstPtr converted =
-        cv_bridge::toCvShare(message, grey ? encodings::MONO8 : encodings::BGR8);
+        is_plain ? cv_bridge::toCvShare(message) : cv_bridge::toCvShare(message, wanted);
     return {message->header, converted->image, converted};
   } catch (const std::exception& error) {
-    throw std::invalid_argument("image of encoding '" + message->encoding + "': " + error.what());
+    throw std::invalid_argument("image of encoding '" + encoding + "': " + error.what() +
+                                "; send mono8, mono16, rgb8, bgr8, bayer_* or yuv422");
   }
 }
 
@@ -132,7 +162,8 @@ DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int cha
   const std::string what = "compressed image of format '" + message.format + "'";
   DecodedImage picture;
   picture.header = message.header;
-  if (!message.data.empty()) {
+  const std::string fault = imageFault(message.data);
+  if (fault.empty()) {
     try {
       // The flags of the reductions are powers of two as well.
       const int grey = reduction > 1 ? cv::IMREAD_REDUCED_GRAYSCALE_2 * reduction / 2 : cv::IMREAD_GRAYSCALE;
@@ -143,7 +174,7 @@ DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int cha
   }
   if (picture.pixels.empty()) {
     throw std::invalid_argument(what + ": its " + std::to_string(message.data.size()) +
-                                " bytes cannot be decoded");
+                                " bytes cannot be decoded" + (fault.empty() ? "" : ": " + fault));
   }
   return picture;
 }

@@ -25,7 +25,12 @@ struct DecodedImage {
   boost::shared_ptr<const void> owner;
 };
 
-/// Without a copy where the encoding is bgr8 or mono8 already.
+/// A picture of 16 bits with 8, others as they are. Drivers put the 10 or 12 bits of a sensor into the lower
+/// ones of the 16: what was the largest value of a stream tells how many there are.
+/// @param bits  that the pixels of the stream have been seen to use, 8 before the first
+sensor_msgs::ImageConstPtr withEightBits(const sensor_msgs::ImageConstPtr& message, int& bits);
+
+/// Without a copy where the encoding is bgr8 or mono8 already, or 8UC3 or 8UC1, which are the same.
 DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message);
 /// Decoded. @param channels   1: to grey, which is quicker; 3: colour
 ///          @param reduction  of grey: 1, 2, 4 or 8 times as small, rounded up; much quicker for JPEG

@@ -14,6 +14,11 @@ class LazyImage {
   explicit LazyImage(sensor_msgs::ImageConstPtr raw) : raw_(std::move(raw)) {}
   explicit LazyImage(sensor_msgs::CompressedImageConstPtr compressed) : compressed_(std::move(compressed)) {}
 
+  /// Is it the same picture of the same input, byte for byte? Others differ after a few bytes.
+  bool repeats(const LazyImage& other) const {
+    return raw_ ? raw_->data == other.raw_->data : compressed_->data == other.compressed_->data;
+  }
+
   const std_msgs::Header& header() const { return raw_ ? raw_->header : compressed_->header; }
   /// Of the whole image. Raw images need not be converted for it.
   /// @throws std::invalid_argument as decodedImageOf()
