@@ -117,6 +117,12 @@ void EgoVelocityNodelet::setUpRadars() {
   for (const auto& [name, given] : config_.radars) {
     const RadarEntry entry = withPreset(given);
     if (!isTopic(entry.topic, parameter + "/" + name + "/" + nameOf(entry, entry.topic))) continue;
+    if (const std::string other = sameSourceAs(entry); !other.empty()) {
+      reportProblem(
+          fmt::format("{}/{} has the topic of {}, '{}': its returns would count twice; it is left out",
+                      parameter, name, other, getNodeHandle().resolveName(entry.topic)));
+      continue;
+    }
     const StreamExpectation expectation = expectationOf(rateOf(config_, entry), config_.sweep.silent_after);
     RadarMonitor* monitor = listenAs<RadarMessage>(
         "radar " + name, std::make_unique<RadarMonitor>(name, expectation, config_.sweep.window), entry.topic,
@@ -129,6 +135,7 @@ void EgoVelocityNodelet::setUpRadars() {
                                                     RadarInput(entry),
                                                     mountOf(entry),
                                                     {},
+                                                    {},
                                                     {}}));
   }
   if (radars_.empty()) {
@@ -137,6 +144,31 @@ void EgoVelocityNodelet::setUpRadars() {
   }
   assembler_.emplace(radars_.size(), config_.sweep);
   mount_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+}
+
+std::string EgoVelocityNodelet::sameSourceAs(const RadarEntry& entry) const {
+  const std::string topic = getNodeHandle().resolveName(entry.topic);
+  for (const std::unique_ptr<Radar>& radar : radars_) {
+    const std::string& frame = radar->input.entry().only_frame;
+    const bool apart =
+        !frame.empty() && !entry.only_frame.empty();  // of one name: refused with the parameters
+    if (radar->topic == topic && !apart) return radar->name;
+  }
+  return {};
+}
+
+std::string EgoVelocityNodelet::twinsIn(const Sweep& sweep) const {
+  constexpr std::size_t kLeastReturns = 8;  // fewer may be alike by chance
+  for (auto one = sweep.scans.begin(); one != sweep.scans.end(); ++one) {
+    if (one->reading->returns.size() < kLeastReturns) continue;
+    for (auto other = sweep.scans.begin(); other != one; ++other) {
+      if (one->radar == other->radar || one->reading->cloud->data != other->reading->cloud->data) continue;
+      return fmt::format(
+          "{} and {} send the same returns, which count twice: is one radar there under two topics?",
+          radars_[other->radar]->name, radars_[one->radar]->name);
+    }
+  }
+  return {};
 }
 
 void EgoVelocityNodelet::setUpRotation() {
@@ -283,7 +315,7 @@ void EgoVelocityNodelet::clearHistory() {
   assembler_->reset();
   estimator_.reset();
   agreement_.reset();
-  rotation_comparison_.reset();
+  for (const std::unique_ptr<Radar>& radar : radars_) radar->range_rates.reset();
   if (rotation_source_) rotation_source_->reset();
   mask_->forget();
   estimator_monitor_->reset();
@@ -405,27 +437,49 @@ void EgoVelocityNodelet::compare(const Sweep& sweep, const std::vector<RadarScan
     radars_[i]->monitor.agreement(figures, assembler_->losses()[i], mount.yaw, mount.std);
     if (!figures.warning.empty()) warn(radars_[i]->name, figures.warning);
   }
-  rotation_comparison_.expire(sweep.time());
-  if (rotation && sweeps_ % kComparisonInterval == 0 && result.valid()) {
-    const EgoVelocityResult own =
-        own_yaw_rate_->estimate(scans, sweep.time(), estimator_.acceleration(sweep.time()));
-    if (own.valid() && own.observed[5]) {
-      const double variance = own.covariance(5, 5) + rotation->covariance(2, 2);
-      rotation_comparison_.add(sweep.time(), own.angular.z(), std::sqrt(variance), rotation->rate.z());
-    }
+  for (const RadarScan& scan : scans) {
+    Radar& radar = *radars_[scan.radar];
+    radar.range_rates.add(scan.time, scan.returns, scan.T_base_from_sensor);
+    const std::string error = radar.range_rates.warning(radar.input.dopplerSource());
+    radar.monitor.rangeRates(error);
+    if (!error.empty()) warn(radar.name, radar.name + ": " + error);
   }
-  std::vector<std::string> warnings = {agreement_.warning()};
+  std::vector<std::string> warnings = {agreement_.warning(), twinsIn(sweep)};
+  bool no_range_rates = false;
   if (rotation_source_) {
-    const std::string source = rotation_source_->describe();
-    if (!rotation) warnings.push_back("no angular velocity at the time of a sweep from " + source);
-    warnings.push_back(rotation_comparison_.warning("the motion by the radars", source,
-                                                    "one of the two is wrong: the unit, the mount or the "
-                                                    "offset of that source, or the mounts of the radars"));
+    compareWithSource(sweep.time(), scans, result, rotation.has_value());
+    if (!rotation) {
+      warnings.push_back("no angular velocity at the time of a sweep from " + rotation_source_->describe());
+    }
+    warnings.push_back(rotation_source_->contradiction("the motion by the radars",
+                                                       "the range rates (" + dopplerSources() + ")"));
+    no_range_rates = rotation_source_->contradictsSpeed();
   }
   std::string warning;
   for (const std::string& one : warnings) warning += (warning.empty() || one.empty() ? "" : "; ") + one;
   if (!warning.empty()) warn("agreement", warning);
-  estimator_monitor_->warn(std::move(warning));
+  estimator_monitor_->warn(std::move(warning), no_range_rates);
+}
+
+void EgoVelocityNodelet::compareWithSource(double time, const std::vector<RadarScan>& scans,
+                                           const EgoVelocityResult& result, bool has_rotation) {
+  rotation_source_->expireComparisons(time);
+  if (!result.valid()) return;
+  if (result.observed[0]) rotation_source_->compareSpeed(time, result.linear.x());
+  if (!has_rotation || sweeps_ % kComparisonInterval != 0) return;
+  const EgoVelocityResult own = own_yaw_rate_->estimate(scans, time, estimator_.acceleration(time));
+  if (own.valid() && own.observed[5])
+    rotation_source_->compareRate(time, own.angular.z(), own.covariance(5, 5));
+}
+
+std::string EgoVelocityNodelet::dopplerSources() const {
+  std::map<std::string, std::vector<std::string>> radars;
+  for (const std::unique_ptr<Radar>& radar : radars_)
+    if (!radar->input.dopplerSource().empty()) radars[radar->input.dopplerSource()].push_back(radar->name);
+  std::vector<std::string> texts;
+  for (const auto& [source, names] : radars)
+    texts.push_back(fmt::format("{} of {}", source, fmt::join(names, ", ")));
+  return fmt::format("{}", fmt::join(texts, "; "));
 }
 
 void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, const SweepEstimate& estimate) {
