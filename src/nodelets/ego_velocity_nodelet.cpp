@@ -37,6 +37,7 @@ constexpr double kMaxShareNotFinite = 0.5;
 
 constexpr std::size_t kSweepsBeforeAssessment = 20;
 constexpr std::size_t kComparisonInterval = 4;  // sweeps
+constexpr double kTwinMemory = 3.0;             // s, wall time
 
 }  // namespace
 
@@ -136,6 +137,8 @@ void EgoVelocityNodelet::setUpRadars() {
                                                     mountOf(entry),
                                                     {},
                                                     {},
+                                                    {},
+                                                    {},
                                                     {}}));
   }
   if (radars_.empty()) {
@@ -157,18 +160,20 @@ std::string EgoVelocityNodelet::sameSourceAs(const RadarEntry& entry) const {
   return {};
 }
 
-std::string EgoVelocityNodelet::twinsIn(const Sweep& sweep) const {
+void EgoVelocityNodelet::lookForTwin(Radar& radar, const RadarReading& reading) {
   constexpr std::size_t kLeastReturns = 8;  // fewer may be alike by chance
-  for (auto one = sweep.scans.begin(); one != sweep.scans.end(); ++one) {
-    if (one->reading->returns.size() < kLeastReturns) continue;
-    for (auto other = sweep.scans.begin(); other != one; ++other) {
-      if (one->radar == other->radar || one->reading->cloud->data != other->reading->cloud->data) continue;
-      return fmt::format(
+  if (reading.returns.size() < kLeastReturns) return;
+  radar.earlier = std::exchange(radar.latest, reading.cloud);
+  for (const std::unique_ptr<Radar>& other : radars_) {
+    if (other.get() == &radar) continue;
+    for (const sensor_msgs::PointCloud2ConstPtr& cloud : {other->latest, other->earlier}) {
+      if (!cloud || cloud->data != reading.cloud->data) continue;
+      twins_until_ = ProcessClock::now() + ros::WallDuration(kTwinMemory);
+      twins_ = fmt::format(
           "{} and {} send the same returns, which count twice: is one radar there under two topics?",
-          radars_[other->radar]->name, radars_[one->radar]->name);
+          std::min(other->name, radar.name), std::max(other->name, radar.name));
     }
   }
-  return {};
 }
 
 void EgoVelocityNodelet::setUpRotation() {
@@ -254,7 +259,12 @@ void EgoVelocityNodelet::apply(const EgoVelocityConfig& config) {
       extractors.emplace_back(radar.get(), DopplerExtractor(params));
   }
   std::optional<EgoVelocityEstimator> own_yaw_rate;
-  if (rotation_source_) own_yaw_rate.emplace(config.estimator);
+  if (rotation_source_) {
+    EgoVelocityParams own = config.estimator;
+    // A single radar cannot tell a turn from a sideslip.
+    if (radars_.size() == 1 && own.model == MotionModel::kPlanarYaw) own.model = MotionModel::kAckermann;
+    own_yaw_rate.emplace(own);
+  }
   estimator_.configure(config);
 
   for (auto& [radar, extractor] : extractors) radar->input.setExtractor(std::move(extractor));
@@ -291,6 +301,7 @@ void EgoVelocityNodelet::onMessage(std::size_t index, const RadarMessage& messag
     warn(radar.name, "clouds of several frames on '" + radar.topic + "': radars that share a topic need " +
                          nameOf(names, names.only_frame));
   }
+  lookForTwin(radar, *reading);
   const std::string description = reading->view.size() > 0 ? radar.input.description() : "";
   if (!description.empty() && radar.monitor.describe(description) && throttle_.allow(radar.name, "reads")) {
     NODELET_INFO("%s: radar %s on '%s': %s", getName().c_str(), radar.name.c_str(), radar.topic.c_str(),
@@ -444,7 +455,8 @@ void EgoVelocityNodelet::compare(const Sweep& sweep, const std::vector<RadarScan
     radar.monitor.rangeRates(error);
     if (!error.empty()) warn(radar.name, radar.name + ": " + error);
   }
-  std::vector<std::string> warnings = {agreement_.warning(), twinsIn(sweep)};
+  std::vector<std::string> warnings = {agreement_.warning()};
+  if (ProcessClock::now() < twins_until_) warnings.push_back(twins_);
   bool no_range_rates = false;
   if (rotation_source_) {
     compareWithSource(sweep.time(), scans, result, rotation.has_value());

@@ -38,6 +38,7 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
     std::string published_frame;                          // whose configured mount is on TF
     std::optional<Eigen::Isometry3d> mount;               // the latest, corrected
     RangeRateWatch range_rates;
+    sensor_msgs::PointCloud2ConstPtr latest, earlier;
   };
   using Assembler = SweepAssembler<std::shared_ptr<const RadarReading>>;
   using Sweep = Assembler::Sweep;
@@ -56,8 +57,8 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
 
   /// The radar with the same topic, in another spelling or by a remapping; empty: there is none.
   std::string sameSourceAs(const RadarEntry& entry) const;
-  /// Two radars of the sweep with the same data; empty: there are none.
-  std::string twinsIn(const Sweep& sweep) const;
+  /// Notes where another radar has sent the same data.
+  void lookForTwin(Radar& radar, const RadarReading& reading);
   void setUpRotation();
   /// Starts from the mount yaws of the file, where there is one.
   void readMountYawsFile();
@@ -98,6 +99,8 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
   std::string mount_yaws_file_;                 // empty: none, or one that is not understood
   std::map<std::string, MountYaw> mount_yaws_;  // as read, also of radars that are not here
   RadarAgreement agreement_;
+  std::string twins_;  // what lookForTwin() has found, for some time
+  ros::WallTime twins_until_;
   bool mounts_assessed_ = false;
   std::string mount_advice_;
   std::unique_ptr<RotationSource> rotation_source_;   // none: the returns tell the yaw rate

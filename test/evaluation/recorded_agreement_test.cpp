@@ -133,12 +133,9 @@ TEST(RecordedRangeRates, AreNoneWhereTheyAreCompensated) {
     const auto scene = static_cast<dataset::Index>(i);
     EXPECT_EQ(withoutRangeRates(tables, scene, nuscenes.ego_velocity, false), std::set<std::string>())
         << tables.scenes[i].name;
-    const std::set<std::string> channels = withoutRangeRates(tables, scene, nuscenes.ego_velocity, true);
-    for (const std::string& channel : channels)
-      std::printf("%s %s\n", tables.scenes[i].name.c_str(), channel.c_str());
-    found += !channels.empty();
+    found += !withoutRangeRates(tables, scene, nuscenes.ego_velocity, true).empty();
   }
-  EXPECT_GT(found, 0U);
+  EXPECT_GE(found, 5U) << "the others stand, or have nothing to hold on to";
 }
 
 }  // namespace

@@ -255,6 +255,18 @@ TEST_F(FaultsTest, ARadarThatContradictsTheOthersIsNamed) {
   radars_.set(kBackLeft, {});
 }
 
+TEST_F(FaultsTest, OneRadarUnderTwoTopicsIsNamed) {
+  const auto sent = std::make_shared<PointCloud2>();
+  radars_.set(kFront, [sent](PointCloud2& cloud) { *sent = cloud; });
+  radars_.set(kBackRight, [sent](PointCloud2& cloud) {
+    if (!sent->data.empty()) cloud.data = sent->data;
+  });
+  EXPECT_TRUE(diagnostics_.says("ego_velocity: estimator", DiagnosticStatus::WARN, "send the same returns"));
+  radars_.set(kFront, {});
+  radars_.set(kBackRight, {});
+  EXPECT_TRUE(diagnostics_.says("ego_velocity: estimator", DiagnosticStatus::OK, ""));
+}
+
 TEST_F(FaultsTest, OneRadarUnderTwoNamesIsTakenOnce) {
   EXPECT_TRUE(diagnostics_.says("watched: configuration", DiagnosticStatus::ERROR,
                                 "radars/renamed has the topic of front, '/radar_front'"));
@@ -278,13 +290,14 @@ TEST_F(FaultsTest, ARotationThatContradictsTheRadarsIsNamed) {
   const Recorder<nav_msgs::Odometry> gyro(handle_, "gyro/odom"), aided(handle_, "aided/odom");
   EXPECT_TRUE(diagnostics_.says("odometry_gyro: rotation", DiagnosticStatus::OK, "IMU"));
   EXPECT_TRUE(diagnostics_.says("odometry_aided: rotation", DiagnosticStatus::OK, "odometry"));
-  rotation.gyro_factor = 57.3;
-  EXPECT_TRUE(diagnostics_.says("odometry_gyro: rotation", DiagnosticStatus::WARN, "in degrees per second"));
-  EXPECT_TRUE(diagnostics_.says("guided: estimator", DiagnosticStatus::WARN, "in degrees per second"));
   rotation.gyro_factor = -1.0;
   EXPECT_TRUE(diagnostics_.says("odometry_gyro: rotation", DiagnosticStatus::WARN, "opposite signs"));
   rotation.gyro_factor = 1.0;
   EXPECT_TRUE(diagnostics_.says("odometry_gyro: rotation", DiagnosticStatus::OK, "IMU"));
+  rotation.gyro_factor = 57.3;
+  EXPECT_TRUE(diagnostics_.says("odometry_gyro: rotation", DiagnosticStatus::WARN, "in degrees per second"));
+  EXPECT_TRUE(diagnostics_.says("guided: estimator", DiagnosticStatus::WARN, "in degrees per second"))
+      << "by one radar";
 }
 
 TEST_F(FaultsTest, VelocitiesThatAreNoRangeRatesAreNamed) {
@@ -312,7 +325,7 @@ TEST_F(FaultsTest, NumbersAtTheEdgeOfTheirTypeStayOutOfThePose) {
   const LiveRotation rotation(handle_);
   const Recorder<nav_msgs::Odometry> gyro(handle_, "gyro/odom"), aided(handle_, "aided/odom");
   ASSERT_TRUE(waitUntil([&] { return gyro.count() > 5 && aided.count() > 5; }));
-  for (const double value : {std::nan(""), INFINITY, 1e308, -1e308, 1e38, 1e-310, -1.0}) {
+  for (const double value : {std::nan(""), HUGE_VAL, 1e308, -1e308, 1e38, 1e-310, -1.0}) {
     for (std::size_t field = 0; field < 8; ++field) {
       rotation.publishBroken(value, field);
       ros::WallDuration(0.01).sleep();

@@ -416,6 +416,12 @@ TEST_F(SegmentationFaults, CameraInfoMayHaveAnyStampAndComeOnce) {
   world_.set({});
 }
 
+// Differences of such stamps are no ros::Duration.
+TEST_F(SegmentationFaults, FlowToTheEndOfTimeIsRefused) {
+  expectReported([](Frame& frame) { frame.flow.second_stamp = ros::Time(4'294'967'000U, 0); }, kVerdict,
+                 "no motion of the vehicle");
+}
+
 TEST_F(SegmentationFaults, WrongTwistIsRefused) {
   expectReported([](Frame& frame) { frame.twist.header.frame_id = "radar"; }, "segmentation: input ego/twist",
                  "base_link");
