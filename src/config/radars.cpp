@@ -73,9 +73,29 @@ RadarEntry validEntry(const EgoVelocityConfig& config, const RadarEntry& given) 
   return entry;
 }
 
-/// A name with or without the slash of the root, which are mostly one topic.
-std::string_view topicOf(const RadarEntry& entry) {
-  return std::string_view(entry.topic).substr(entry.topic.front() == '/' ? 1 : 0);
+/// A name with or without the slash of the root: mostly one topic, and always one frame.
+std::string_view withoutRoot(std::string_view name) {
+  return name.substr(!name.empty() && name.front() == '/' ? 1 : 0);
+}
+
+/// @throws InvalidParameter where one of the two stands for the same returns, or the same mount, as the other
+void requireOther(const std::pair<std::string, RadarEntry>& one,
+                  const std::pair<std::string, RadarEntry>& other) {
+  const RadarEntry &a = one.second, &b = other.second;
+  const std::string_view frame = withoutRoot(a.only_frame), other_frame = withoutRoot(b.only_frame);
+  const bool apart = !frame.empty() && !other_frame.empty() && frame != other_frame;
+  if (withoutRoot(a.topic) == withoutRoot(b.topic) && !apart) {
+    throw InvalidParameter({one.first}, fmt::format("{} has the topic of {}: its returns would count twice; "
+                                                    "radars that share a topic need different only_frame",
+                                                    one.first, other.first));
+  }
+  const std::optional<Eigen::Isometry3d> mount = mountOf(a), other_mount = mountOf(b);
+  if (a.frame_id.empty() || withoutRoot(a.frame_id) != withoutRoot(b.frame_id) || !mount || !other_mount ||
+      mount->isApprox(*other_mount, 1e-6))
+    return;
+  throw InvalidParameter(
+      {one.first},
+      fmt::format("{} has the frame_id of {}, and another mount: a frame has one", one.first, other.first));
 }
 
 }  // namespace
@@ -165,15 +185,8 @@ void validateRadars(const EgoVelocityConfig& config) {
     } catch (const InvalidParameter& error) {
       throw InvalidParameter({place}, place + "/" + error.what());
     }
-    const RadarEntry& entry = earlier.back().second;
-    for (auto other = earlier.begin(); other != earlier.end() - 1; ++other) {
-      const std::string& frame = other->second.only_frame;
-      const bool apart = !frame.empty() && !entry.only_frame.empty() && frame != entry.only_frame;
-      if (topicOf(entry) != topicOf(other->second) || apart) continue;
-      throw InvalidParameter({place}, fmt::format("{} has the topic of {}: its returns would count twice; "
-                                                  "radars that share a topic need different only_frame",
-                                                  place, other->first));
-    }
+    for (auto other = earlier.begin(); other != earlier.end() - 1; ++other)
+      requireOther(earlier.back(), *other);
   }
 }
 

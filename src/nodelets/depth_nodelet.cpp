@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <pluginlib/class_list_macros.hpp>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +14,8 @@
 
 namespace radar_dot {
 namespace {
+
+constexpr float kNearest = 1e-3F;  // m; as of a denormal number, 1 / depth would overflow
 
 std::unique_ptr<DepthEstimator> estimatorOf(const DepthParams& params) {
   const auto& network = params.network;
@@ -28,7 +31,7 @@ double clean(cv::Mat& depth, double max_depth) {
   for (int row = 0; row < depth.rows; ++row) {
     auto* values = depth.ptr<float>(row);
     for (int column = 0; column < depth.cols; ++column) {
-      const bool is_known = values[column] > 0.0F && values[column] <= static_cast<float>(max_depth);
+      const bool is_known = values[column] >= kNearest && values[column] <= static_cast<float>(max_depth);
       if (is_known) {
         ++known;
       } else {
@@ -71,9 +74,14 @@ void DepthNodelet::listenToRadars(const std::vector<std::string>& topics, const 
   const auto wanted = [this, trained_only] {
     return needs().radar && needs().trained_radars_only == trained_only;
   };
+  std::set<std::string> known;
   for (const std::string& topic : topics) {
-    if (isTopic(topic, parameter))
+    if (!isTopic(topic, parameter)) continue;
+    if (!known.insert(getNodeHandle().resolveName(topic)).second) {
+      reportProblem(std::string(parameter) + " has '" + topic + "' twice; once is enough");
+    } else {
       listenToClouds(topic, *radar_clouds_, {false, wanted, [this] { radar_clouds_->clear(); }});
+    }
   }
 }
 
@@ -100,13 +108,10 @@ void DepthNodelet::onImage(LazyImage picture) {
   if (!estimator_) throw std::invalid_argument("no depth: " + server_->error());
   if (!camera_) throw std::invalid_argument("nothing on '" + camera_input_->topic() + "' yet");
   const CameraIntrinsics camera = cameraOf(*camera_);
-  if (isDistorted(*camera_)) {
-    warn("camera", "camera_info on '" + camera_input_->topic() +
-                       "' has distortion: depth belongs on rectified images (image_proc)");
-  }
   DepthInput input;
   std::string missing;
-  const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(header.frame_id, missing);
+  const std::optional<Eigen::Isometry3d> T_base_from_camera =
+      extrinsics_->lookupCamera(header.frame_id, missing);
   if (!T_base_from_camera) throw std::invalid_argument(missing);
   const cv::Size grid = workingGrid({camera.width, camera.height}, config_.working_width);
   input.camera = camera.scaledTo(grid.width, grid.height);

@@ -136,7 +136,7 @@ std::string DynamicSegmentationNodelet::findMotion(const WaitingPairs::Pair& mes
   const Flow& flow = *messages.flow;
   std::string missing;
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
-      extrinsics_->lookup(flow.header.frame_id, missing);
+      extrinsics_->lookupCamera(flow.header.frame_id, missing);
   if (!T_base_from_camera) return missing;
   const IntervalMotion motion = motion_->between(flow.header.stamp, flow.second_stamp, config_.max_twist_age,
                                                  waited < config_.rotation_timeout);
@@ -160,11 +160,12 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
   MaskPair& pair = inputs.pair;
   const CameraIntrinsics camera = cameraOf(*camera_);
   const cv::Size image(camera.width, camera.height);
-  if (flow.image_width != camera_->width || flow.image_height != camera_->height) {
+  if (flow.image_width != static_cast<std::uint32_t>(image.width) ||
+      flow.image_height != static_cast<std::uint32_t>(image.height)) {
     throw std::invalid_argument("flow on '" + flow_input_->topic() + "' is of images of " +
                                 std::to_string(flow.image_width) + " x " + std::to_string(flow.image_height) +
                                 " px, camera_info on '" + camera_input_->topic() + "' of " + sizeText(image) +
-                                " px");
+                                " px (with its roi and binning)");
   }
   pair.flow = radar_dot::flowOf(flow);
   const cv::Size grid = pair.flow.flow.size();
@@ -192,10 +193,6 @@ void DynamicSegmentationNodelet::addRadarPoints(Inputs& inputs) {
 }
 
 void DynamicSegmentationNodelet::segment(const Inputs& inputs) {
-  if (isDistorted(*camera_)) {
-    warn("camera", "camera_info on '" + camera_input_->topic() +
-                       "' has distortion: the images must be rectified (image_proc)");
-  }
   const ros::WallTime start = ProcessClock::now();
   const MaskOutcome outcome = pipeline_.process(inputs.pair);
   const MotionResult& result = outcome.result;

@@ -53,8 +53,10 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MaskOutcome
     compareYawRates(inputs, velocity);
     std_msgs::Header refined;
     refined.stamp = std::max(header.stamp, inputs.messages.flow->second_stamp);
-    refined.frame_id = config_.stream.base_frame;
-    if (refined_publisher_.getNumSubscribers() > 0)
+    refined.frame_id = extrinsics_->baseFrame();
+    const bool is_finite =
+        velocity.linear.allFinite() && velocity.angular.allFinite() && velocity.covariance.allFinite();
+    if (refined_publisher_.getNumSubscribers() > 0 && is_finite)
       refined_publisher_.publish(refinedTwist(velocity, refined));
   }
   const bool wants_residual = residual_publisher_.getNumSubscribers() > 0;
@@ -116,6 +118,10 @@ void DynamicSegmentationNodelet::report(diagnostic_updater::DiagnosticStatusWrap
   if (const std::string warning = yaw_rates_.warning("'" + twist_input_->topic() + "'", "the image");
       !warning.empty())
     status.mergeSummary(DiagnosticStatus::WARN, warning);
+  if (const std::string contradiction = motion_->contradiction(); !contradiction.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN, contradiction);
+    warn("contradiction", contradiction);
+  }
   status.add("rotation", motion_->rotationText());
   status.addf("yaw rate of the twists (rad/s)", "%.3f", yaw_rates_.rate());
   status.addf("yaw rate of the image (rad/s)", "%.3f", yaw_rates_.reference());

@@ -37,6 +37,7 @@ constexpr double kMaxShareNotFinite = 0.5;
 
 constexpr std::size_t kSweepsBeforeAssessment = 20;
 constexpr std::size_t kComparisonInterval = 4;  // sweeps
+constexpr double kTwinMemory = 3.0;             // s, wall time
 
 }  // namespace
 
@@ -117,6 +118,12 @@ void EgoVelocityNodelet::setUpRadars() {
   for (const auto& [name, given] : config_.radars) {
     const RadarEntry entry = withPreset(given);
     if (!isTopic(entry.topic, parameter + "/" + name + "/" + nameOf(entry, entry.topic))) continue;
+    if (const std::string other = sameSourceAs(entry); !other.empty()) {
+      reportProblem(
+          fmt::format("{}/{} has the topic of {}, '{}': its returns would count twice; it is left out",
+                      parameter, name, other, getNodeHandle().resolveName(entry.topic)));
+      continue;
+    }
     const StreamExpectation expectation = expectationOf(rateOf(config_, entry), config_.sweep.silent_after);
     RadarMonitor* monitor = listenAs<RadarMessage>(
         "radar " + name, std::make_unique<RadarMonitor>(name, expectation, config_.sweep.window), entry.topic,
@@ -129,6 +136,9 @@ void EgoVelocityNodelet::setUpRadars() {
                                                     RadarInput(entry),
                                                     mountOf(entry),
                                                     {},
+                                                    {},
+                                                    {},
+                                                    {},
                                                     {}}));
   }
   if (radars_.empty()) {
@@ -137,6 +147,33 @@ void EgoVelocityNodelet::setUpRadars() {
   }
   assembler_.emplace(radars_.size(), config_.sweep);
   mount_broadcaster_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+}
+
+std::string EgoVelocityNodelet::sameSourceAs(const RadarEntry& entry) const {
+  const std::string topic = getNodeHandle().resolveName(entry.topic);
+  for (const std::unique_ptr<Radar>& radar : radars_) {
+    const std::string& frame = radar->input.entry().only_frame;
+    const bool apart =
+        !frame.empty() && !entry.only_frame.empty();  // of one name: refused with the parameters
+    if (radar->topic == topic && !apart) return radar->name;
+  }
+  return {};
+}
+
+void EgoVelocityNodelet::lookForTwin(Radar& radar, const RadarReading& reading) {
+  constexpr std::size_t kLeastReturns = 8;  // fewer may be alike by chance
+  if (reading.returns.size() < kLeastReturns) return;
+  radar.earlier = std::exchange(radar.latest, reading.cloud);
+  for (const std::unique_ptr<Radar>& other : radars_) {
+    if (other.get() == &radar) continue;
+    for (const sensor_msgs::PointCloud2ConstPtr& cloud : {other->latest, other->earlier}) {
+      if (!cloud || cloud->data != reading.cloud->data) continue;
+      twins_until_ = ProcessClock::now() + ros::WallDuration(kTwinMemory);
+      twins_ = fmt::format(
+          "{} and {} send the same returns, which count twice: is one radar there under two topics?",
+          std::min(other->name, radar.name), std::max(other->name, radar.name));
+    }
+  }
 }
 
 void EgoVelocityNodelet::setUpRotation() {
@@ -222,7 +259,12 @@ void EgoVelocityNodelet::apply(const EgoVelocityConfig& config) {
       extractors.emplace_back(radar.get(), DopplerExtractor(params));
   }
   std::optional<EgoVelocityEstimator> own_yaw_rate;
-  if (rotation_source_) own_yaw_rate.emplace(config.estimator);
+  if (rotation_source_) {
+    EgoVelocityParams own = config.estimator;
+    // A single radar cannot tell a turn from a sideslip.
+    if (radars_.size() == 1 && own.model == MotionModel::kPlanarYaw) own.model = MotionModel::kAckermann;
+    own_yaw_rate.emplace(own);
+  }
   estimator_.configure(config);
 
   for (auto& [radar, extractor] : extractors) radar->input.setExtractor(std::move(extractor));
@@ -259,6 +301,7 @@ void EgoVelocityNodelet::onMessage(std::size_t index, const RadarMessage& messag
     warn(radar.name, "clouds of several frames on '" + radar.topic + "': radars that share a topic need " +
                          nameOf(names, names.only_frame));
   }
+  lookForTwin(radar, *reading);
   const std::string description = reading->view.size() > 0 ? radar.input.description() : "";
   if (!description.empty() && radar.monitor.describe(description) && throttle_.allow(radar.name, "reads")) {
     NODELET_INFO("%s: radar %s on '%s': %s", getName().c_str(), radar.name.c_str(), radar.topic.c_str(),
@@ -283,7 +326,7 @@ void EgoVelocityNodelet::clearHistory() {
   assembler_->reset();
   estimator_.reset();
   agreement_.reset();
-  rotation_comparison_.reset();
+  for (const std::unique_ptr<Radar>& radar : radars_) radar->range_rates.reset();
   if (rotation_source_) rotation_source_->reset();
   mask_->forget();
   estimator_monitor_->reset();
@@ -405,27 +448,50 @@ void EgoVelocityNodelet::compare(const Sweep& sweep, const std::vector<RadarScan
     radars_[i]->monitor.agreement(figures, assembler_->losses()[i], mount.yaw, mount.std);
     if (!figures.warning.empty()) warn(radars_[i]->name, figures.warning);
   }
-  rotation_comparison_.expire(sweep.time());
-  if (rotation && sweeps_ % kComparisonInterval == 0 && result.valid()) {
-    const EgoVelocityResult own =
-        own_yaw_rate_->estimate(scans, sweep.time(), estimator_.acceleration(sweep.time()));
-    if (own.valid() && own.observed[5]) {
-      const double variance = own.covariance(5, 5) + rotation->covariance(2, 2);
-      rotation_comparison_.add(sweep.time(), own.angular.z(), std::sqrt(variance), rotation->rate.z());
-    }
+  for (const RadarScan& scan : scans) {
+    Radar& radar = *radars_[scan.radar];
+    radar.range_rates.add(scan.time, scan.returns, scan.T_base_from_sensor);
+    const std::string error = radar.range_rates.warning(radar.input.dopplerSource());
+    radar.monitor.rangeRates(error);
+    if (!error.empty()) warn(radar.name, radar.name + ": " + error);
   }
   std::vector<std::string> warnings = {agreement_.warning()};
+  if (ProcessClock::now() < twins_until_) warnings.push_back(twins_);
+  bool no_range_rates = false;
   if (rotation_source_) {
-    const std::string source = rotation_source_->describe();
-    if (!rotation) warnings.push_back("no angular velocity at the time of a sweep from " + source);
-    warnings.push_back(rotation_comparison_.warning("the motion by the radars", source,
-                                                    "one of the two is wrong: the unit, the mount or the "
-                                                    "offset of that source, or the mounts of the radars"));
+    compareWithSource(sweep.time(), scans, result, rotation.has_value());
+    if (!rotation) {
+      warnings.push_back("no angular velocity at the time of a sweep from " + rotation_source_->describe());
+    }
+    warnings.push_back(rotation_source_->contradiction("the motion by the radars",
+                                                       "the range rates (" + dopplerSources() + ")"));
+    no_range_rates = rotation_source_->contradictsSpeed();
   }
   std::string warning;
   for (const std::string& one : warnings) warning += (warning.empty() || one.empty() ? "" : "; ") + one;
   if (!warning.empty()) warn("agreement", warning);
-  estimator_monitor_->warn(std::move(warning));
+  estimator_monitor_->warn(std::move(warning), no_range_rates);
+}
+
+void EgoVelocityNodelet::compareWithSource(double time, const std::vector<RadarScan>& scans,
+                                           const EgoVelocityResult& result, bool has_rotation) {
+  rotation_source_->expireComparisons(time);
+  if (!result.valid()) return;
+  if (result.observed[0]) rotation_source_->compareSpeed(time, result.linear.x());
+  if (!has_rotation || sweeps_ % kComparisonInterval != 0) return;
+  const EgoVelocityResult own = own_yaw_rate_->estimate(scans, time, estimator_.acceleration(time));
+  if (own.valid() && own.observed[5])
+    rotation_source_->compareRate(time, own.angular.z(), own.covariance(5, 5));
+}
+
+std::string EgoVelocityNodelet::dopplerSources() const {
+  std::map<std::string, std::vector<std::string>> radars;
+  for (const std::unique_ptr<Radar>& radar : radars_)
+    if (!radar->input.dopplerSource().empty()) radars[radar->input.dopplerSource()].push_back(radar->name);
+  std::vector<std::string> texts;
+  for (const auto& [source, names] : radars)
+    texts.push_back(fmt::format("{} of {}", source, fmt::join(names, ", ")));
+  return fmt::format("{}", fmt::join(texts, "; "));
 }
 
 void EgoVelocityNodelet::publishTwist(const ros::Time& stamp, const SweepEstimate& estimate) {

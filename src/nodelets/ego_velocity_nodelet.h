@@ -17,9 +17,9 @@
 #include "nodelets/inputs/rotation_source.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/radar/radar_agreement.h"
+#include "radar_dot/radar/range_rate_watch.h"
 #include "radar_dot/radar/sweep_assembler.h"
 #include "radar_dot/radar/sweep_estimator.h"
-#include "radar_dot/radar/yaw_rate_comparison.h"
 
 namespace radar_dot {
 
@@ -37,6 +37,8 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
     std::optional<Eigen::Isometry3d> T_base_from_sensor;  // as configured; none: of TF
     std::string published_frame;                          // whose configured mount is on TF
     std::optional<Eigen::Isometry3d> mount;               // the latest, corrected
+    RangeRateWatch range_rates;
+    sensor_msgs::PointCloud2ConstPtr latest, earlier;
   };
   using Assembler = SweepAssembler<std::shared_ptr<const RadarReading>>;
   using Sweep = Assembler::Sweep;
@@ -53,6 +55,10 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
   /// default. Empty: it is.
   std::string disabledBy() const;
 
+  /// The radar with the same topic, in another spelling or by a remapping; empty: there is none.
+  std::string sameSourceAs(const RadarEntry& entry) const;
+  /// Notes where another radar has sent the same data.
+  void lookForTwin(Radar& radar, const RadarReading& reading);
   void setUpRotation();
   /// Starts from the mount yaws of the file, where there is one.
   void readMountYawsFile();
@@ -75,6 +81,10 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
   /// Compares the radars with each other, and with the source of rotation.
   void compare(const Sweep& sweep, const std::vector<RadarScan>& scans, const EgoVelocityResult& result,
                const std::optional<AngularVelocity>& rotation);
+  void compareWithSource(double time, const std::vector<RadarScan>& scans, const EgoVelocityResult& result,
+                         bool has_rotation);
+  /// Where the range rates come from, as in "field 'vr' of front, left".
+  std::string dopplerSources() const;
   void publishStatus(const ros::Time& stamp, const EgoVelocityResult& result, const Readings& readings,
                      const std::string& reason, double computation_time);
   void publishTwist(const ros::Time& stamp, const SweepEstimate& estimate);
@@ -89,11 +99,12 @@ class EgoVelocityNodelet : public ConfiguredNodelet<EgoVelocityConfig> {
   std::string mount_yaws_file_;                 // empty: none, or one that is not understood
   std::map<std::string, MountYaw> mount_yaws_;  // as read, also of radars that are not here
   RadarAgreement agreement_;
+  std::string twins_;  // what lookForTwin() has found, for some time
+  ros::WallTime twins_until_;
   bool mounts_assessed_ = false;
   std::string mount_advice_;
   std::unique_ptr<RotationSource> rotation_source_;   // none: the returns tell the yaw rate
   std::optional<EgoVelocityEstimator> own_yaw_rate_;  // of the returns alone, beside the source
-  YawRateComparison rotation_comparison_;
   std::size_t sweeps_ = 0;
   bool other_clouds_seen_ = false;  // when the silence was looked at last
   std::unique_ptr<MaskInput> mask_;

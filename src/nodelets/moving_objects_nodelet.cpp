@@ -120,20 +120,21 @@ void MovingObjectsNodelet::onCloud(const sensor_msgs::PointCloud2& cloud, Return
 }
 
 void MovingObjectsNodelet::onOdometry(const nav_msgs::Odometry& odometry) {
-  if (odometry.child_frame_id != extrinsics_->baseFrame()) {
+  if (withoutSlash(odometry.child_frame_id) != extrinsics_->baseFrame()) {
     throw std::invalid_argument("child_frame_id: it is '" + odometry.child_frame_id +
                                 "', not the base frame '" + extrinsics_->baseFrame() + "'");
   }
   const StampedPose pose = poseOf(odometry);
-  if (odometry.header.frame_id != odom_frame_) {
+  const std::string frame = withoutSlash(odometry.header.frame_id);
+  if (frame != odom_frame_) {
     if (!odom_frame_.empty()) {
-      warn("odometry", "the frame of '" + odometry_input_->topic() + "' is '" + odometry.header.frame_id +
-                           "' now: all objects restart");
+      warn("odometry",
+           "the frame of '" + odometry_input_->topic() + "' is '" + frame + "' now: all objects restart");
       deleteMarkers();
     }
     poses_.clear();
     tracker_.reset();
-    odom_frame_ = odometry.header.frame_id;
+    odom_frame_ = frame;
   }
   poses_.add(pose);
 }
@@ -232,7 +233,8 @@ bool MovingObjectsNodelet::useMask(const MaskMessages& messages, std::string& re
     reason = "nothing on '" + camera_input_->topic() + "' yet";
     return false;
   }
-  const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(header.frame_id, reason);
+  const std::optional<Eigen::Isometry3d> T_base_from_camera =
+      extrinsics_->lookupCamera(header.frame_id, reason);
   if (!T_base_from_camera) return false;
   const std::optional<Eigen::Isometry3d> pose = poseAt(header.stamp, reason);
   if (!pose) return false;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nodelets/odometry_nodelet.h"
 
+#include <fmt/format.h>
 #include <nav_msgs/Odometry.h>
 
 #include <algorithm>
@@ -41,7 +42,14 @@ void OdometryNodelet::setUp() {
       handle.advertise<nav_msgs::Path>("path", 1, [this](const ros::SingleSubscriberPublisher& subscriber) {
         if (!path_.poses.empty()) subscriber.publish(path_);
       });
-  path_.header.frame_id = config_.rotation.odom_frame;
+  odom_frame_ = withoutSlash(config_.rotation.odom_frame);
+  if (odom_frame_ == extrinsics_->baseFrame()) {
+    odom_frame_ = OdometryConfig().rotation.odom_frame;
+    reportProblem(fmt::format("{} and {} are both '{}': the odometry is given in '{}'",
+                              nameOf(config_, config_.rotation.odom_frame),
+                              nameOf(config_, config_.base_frame), extrinsics_->baseFrame(), odom_frame_));
+  }
+  path_.header.frame_id = odom_frame_;
   for (const char* topic : {"/tf", "/tf_static"})
     tf_subscribers_.push_back(handle.subscribe(topic, 100, &OdometryNodelet::onTf, this));
   broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
@@ -58,6 +66,10 @@ void OdometryNodelet::setUpRotationSource() {
   callbacks.restarted = [this] { R_odom_from_source_.reset(); };
   callbacks.warn = [this](const std::string& text) { warn({}, text); };
   try {
+    const ros::NodeHandle& handle = getNodeHandle();
+    if (config_.rotation.source == RotationSourceKind::kOdometry &&
+        handle.resolveName("rotation/odom") == handle.resolveName("odom"))
+      throw std::invalid_argument("rotation/odom is '" + handle.resolveName("odom") + "', its own output");
     rotation_source_ =
         makeRotationSource(config_.rotation, getNodeHandle(), *extrinsics_, std::move(callbacks));
   } catch (const std::invalid_argument& error) {
@@ -103,6 +115,10 @@ std::string OdometryNodelet::tfConflict() const {
          "' as well: one of the two must not (" + nameOf(config_, config_.publish_tf) + ": false)";
 }
 
+std::string OdometryNodelet::contradictionOfSource() const {
+  return rotation_source_->contradiction("'" + twist_input_->topic() + "'", "the range rates of the radars");
+}
+
 void OdometryNodelet::reportRotation(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   if (!rotation_source_) {
@@ -117,6 +133,11 @@ void OdometryNodelet::reportRotation(diagnostic_updater::DiagnosticStatusWrapper
                     rotation_source_->describe().c_str());
   } else {
     status.summary(DiagnosticStatus::OK, rotation_source_->describe());
+  }
+  if (const std::string contradiction = contradictionOfSource(); !contradiction.empty()) {
+    const bool is_speed = rotation_source_->contradictsSpeed();
+    status.mergeSummary(is_speed ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN, contradiction);
+    warn("contradiction", contradiction);
   }
   if (latest) status.addf("age (s)", "%.3f", std::max(0.0, ros::Time::now().toSec() - *latest));
   status.addf("twists waiting", "%zu", pending_.size());
@@ -159,6 +180,7 @@ void OdometryNodelet::processQueue() {
         warn({}, "no rotation at the stamp of a twist from " + rotation_source_->describe());
       } else {
         rotation_source_->addVelocity(onWheels(twistOf(*twist)));
+        rotation_source_->compare(twistOf(*twist));
       }
     }
     pending_.pop_front();
@@ -182,15 +204,13 @@ bool OdometryNodelet::start(const std::optional<StampedPose>& pose) {
 
 void OdometryNodelet::publishSourceTf() {
   const std::string frame = rotation_source_->frame();
-  if (!config_.publish_source_tf || !start_at_source_ || frame == tied_frame_ ||
-      frame == config_.rotation.odom_frame)
-    return;
+  if (!config_.publish_source_tf || !start_at_source_ || frame == tied_frame_ || frame == odom_frame_) return;
   tied_frame_ = frame;
   // We start at the source's own pose: the two frames coincide.
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = ros::Time::now();
   transform.header.frame_id = frame;
-  transform.child_frame_id = config_.rotation.odom_frame;
+  transform.child_frame_id = odom_frame_;
   transform.transform.rotation.w = 1.0;
   static_broadcaster_->sendTransform(transform);
 }
@@ -256,7 +276,7 @@ void OdometryNodelet::publish(const geometry_msgs::TwistWithCovarianceStamped& t
 
   nav_msgs::Odometry odometry;
   odometry.header.stamp = twist.header.stamp;
-  odometry.header.frame_id = config_.rotation.odom_frame;
+  odometry.header.frame_id = odom_frame_;
   odometry.child_frame_id = extrinsics_->baseFrame();
   odometry.pose.pose.position.x = position.x();
   odometry.pose.pose.position.y = position.y();

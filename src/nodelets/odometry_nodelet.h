@@ -42,6 +42,8 @@ class OdometryNodelet : public ConfiguredNodelet<OdometryConfig> {
   }
   void clearHistory() override;
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) override;
+  /// How the twists and the source of rotation contradict each other; empty: they do not.
+  std::string contradictionOfSource() const;
   void reportRotation(diagnostic_updater::DiagnosticStatusWrapper& status);
   /// Of a node that publishes the transform to the base frame as well; empty: there is none.
   std::string tfConflict() const;
@@ -63,6 +65,7 @@ class OdometryNodelet : public ConfiguredNodelet<OdometryConfig> {
   void publish(const geometry_msgs::TwistWithCovarianceStamped& twist);
   void extendPath(const geometry_msgs::PoseStamped& pose);
 
+  std::string odom_frame_;
   bool start_at_source_ = false;  // as configured, where the source has a position
   std::string tied_frame_;        // frame of the source that was published to coincide with odom_frame
 

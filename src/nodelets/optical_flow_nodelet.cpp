@@ -134,7 +134,8 @@ cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool within_timeout
     missing = "no message with the stamp of the image on '" + depth_input_->topic() + "'";
     return {};
   }
-  const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(first.frame_id, missing);
+  const std::optional<Eigen::Isometry3d> T_base_from_camera =
+      extrinsics_->lookupCamera(first.frame_id, missing);
   if (!T_base_from_camera) return {};
   const IntervalMotion motion =
       motion_->between(first.stamp, pair.second->header().stamp, kTwistHold, within_timeout);

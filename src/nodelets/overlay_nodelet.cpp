@@ -142,7 +142,8 @@ void OverlayNodelet::dropThrough(const ros::Time& stamp) {
 std::vector<RadarPixel> OverlayNodelet::radarPixels(const std_msgs::Header& header) {
   std::vector<RadarPixel> pixels;
   std::string missing;
-  const std::optional<Eigen::Isometry3d> T_base_from_camera = extrinsics_->lookup(header.frame_id, missing);
+  const std::optional<Eigen::Isometry3d> T_base_from_camera =
+      extrinsics_->lookupCamera(header.frame_id, missing);
   if (!T_base_from_camera || !camera_) return pixels;
   const CameraIntrinsics camera = cameraOf(*camera_);
   const Eigen::Isometry3f T_camera_from_base = T_base_from_camera->inverse().cast<float>();

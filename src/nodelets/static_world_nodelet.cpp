@@ -188,13 +188,9 @@ void StaticWorldNodelet::publishPoints(const sensor_msgs::PointCloud2ConstPtr& c
 sensor_msgs::PointCloud2ConstPtr StaticWorldNodelet::withoutMoving(
     const sensor_msgs::PointCloud2ConstPtr& cloud, const sensor_msgs::ImageConstPtr& mask,
     const CameraIntrinsics& camera) {
-  if (isDistorted(*camera_)) {
-    warn("camera", "camera_info on '" + camera_input_->topic() +
-                       "' has distortion: the images must be rectified (image_proc)");
-  }
   const std_msgs::Header &seen = mask->header, &scanned = cloud->header;
   std::string missing;
-  const std::optional<Eigen::Isometry3d> camera_mount = extrinsics_->lookup(seen.frame_id, missing);
+  const std::optional<Eigen::Isometry3d> camera_mount = extrinsics_->lookupCamera(seen.frame_id, missing);
   const std::optional<Eigen::Isometry3d> cloud_mount = extrinsics_->lookup(scanned.frame_id, missing);
   if (!camera_mount || !cloud_mount) throw std::invalid_argument(missing);
   Eigen::Isometry3d T_camera_from_cloud = camera_mount->inverse();

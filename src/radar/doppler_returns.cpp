@@ -10,6 +10,12 @@
 #include <stdexcept>
 
 namespace radar_dot {
+namespace {
+
+constexpr double kFarthest = 1e5;  // m
+constexpr double kFastest = 1e3;   // m/s
+
+}  // namespace
 
 void validate(const ExtractionParams& params) {
   const FieldList fields = fieldsOf(params);
@@ -175,7 +181,10 @@ DopplerExtractor::Count DopplerExtractor::readReturn(const std::uint8_t* point,
     doppler = params_.doppler_scale / (is_flat ? distance : range) * product;
     if (distance > 0.0) tangential_speed = params_.doppler_scale / distance * (x * vy - y * vx);
   }
-  if (!std::isfinite(range) || !(norm > 0.0) || !std::isfinite(doppler)) return &ExtractionCounts::not_finite;
+  // NaN fails every comparison; values that no radar measures would overflow further on.
+  if (!(range < kFarthest) || !(norm > 0.0) || !(std::abs(doppler) < kFastest) ||
+      !(std::abs(tangential_speed) < kFastest))
+    return &ExtractionCounts::not_finite;
 
   const auto outside = [](double value, double low, double high) { return value < low || value > high; };
   const auto is_limit = [](double low, double high) { return std::isfinite(low) || std::isfinite(high); };

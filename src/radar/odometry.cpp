@@ -42,10 +42,12 @@ bool VelocityIntegrator::add(const StampedTwist& twist,
     Eigen::Matrix<double, 6, 6> input = Eigen::Matrix<double, 6, 6>::Zero();
     input.block<3, 3>(0, 0) = R * dt;
     if (!R_odom_from_base) input.block<3, 3>(3, 3) = R * dt;
-    state_.covariance = (transition * state_.covariance * transition.transpose() +
-                         input * twist.covariance * input.transpose())
-                            .eval();
+    const Eigen::Matrix<double, 6, 6> covariance = (transition * state_.covariance * transition.transpose() +
+                                                    input * twist.covariance * input.transpose())
+                                                       .eval();
+    if (!covariance.allFinite() || !move.allFinite()) return false;
 
+    state_.covariance = covariance;
     state_.T_odom_from_base.translation() += move;
     state_.T_odom_from_base.linear() = end.toRotationMatrix();
     state_.distance += step.norm();

@@ -17,7 +17,10 @@ constexpr std::uint8_t kNoReturn = 0;
 constexpr std::uint8_t kStaticReturn = 1;
 constexpr std::uint8_t kDynamicReturn = 2;
 
-inline bool isKnownDepth(float depth, float max_depth) { return depth > 0.0F && depth <= max_depth; }
+inline bool isKnownDepth(float depth, float max_depth) {
+  constexpr float kNearest = 1e-3F;  // m; of what is nearer, as of a denormal number, 1 / depth overflows
+  return depth >= kNearest && depth <= max_depth;
+}
 
 /// What the pass over the image needs, in single precision.
 struct PassConstants {

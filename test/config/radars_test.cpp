@@ -101,8 +101,22 @@ TEST_F(Radars, ATopicIsSharedByRadarsOfDifferentFrames) {
   EXPECT_EQ(refusal(), shared);
   front().only_frame = "radar_rear";
   EXPECT_EQ(refusal(), shared);
+  front().only_frame = "/radar_rear";
+  EXPECT_EQ(refusal(), shared) << "a frame has no slash";
   front().only_frame = "radar_front";
   EXPECT_EQ(refusal(), "accepted");
+}
+
+TEST_F(Radars, AFrameHasOneMount) {
+  front().frame_id = "radar";
+  set("mount_xyz", "[3.5, 0, 0.5]");
+  set("mount_rpy", "[0, 0, 0]");
+  config_.radars["rear"] = front();
+  config_.radars["rear"].topic = "others";
+  config_.radars["rear"].frame_id = "/radar";
+  EXPECT_EQ(refusal(), "accepted") << "two topics of one radar, as for near and far";
+  config_.radars["rear"].mount_xyz = std::array<double, 3>{-1.0, 0.0, 0.5};
+  EXPECT_EQ(refusal(), "radars/rear has the frame_id of radars/front, and another mount: a frame has one");
 }
 
 // The matrix that static_transform_publisher makes of x y z yaw pitch roll = 1 2 3 90 0 90 degrees.

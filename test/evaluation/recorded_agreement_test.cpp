@@ -9,10 +9,11 @@
 #include <set>
 #include <string>
 
+#include "config/config_file.h"
 #include "evaluation/sweep_velocities.h"
 #include "fixtures/nuscenes_fixture.h"
 #include "radar_dot/radar/radar_agreement.h"
-#include "config/config_file.h"
+#include "radar_dot/radar/range_rate_watch.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -96,6 +97,45 @@ TEST(RecordedAgreement, RealRadarsAreGood) {
   const EgoVelocityConfig faulty = withFault(nuscenes.ego_velocity, -3.0 * kDegree, 1.0);
   EXPECT_EQ(accuse(tables, tables.findScene("scene-0655"), faulty).channels,
             std::set<std::string>({"RADAR_FRONT_LEFT"}));
+}
+
+/// Channels whose velocities are found to be no range rates at some time of a scene.
+/// @param compensated  what the estimate leaves of the range rates is taken instead of them
+std::set<std::string> withoutRangeRates(const dataset::Tables& tables, dataset::Index index,
+                                        const EgoVelocityConfig& config, bool compensated) {
+  const RadarScene scene = loadRadarScene(tables, index, {}, config);
+  SweepEstimator estimator(config);
+  std::vector<RangeRateWatch> watches(scene.radars.size());
+  std::set<std::string> found;
+  for (SceneSweep& sweep : assembleSweeps(scene, config.sweep)) {
+    const EgoVelocityResult result = estimator.estimate(sweep.scans, sweep.time).single;
+    for (std::size_t s = 0; s < sweep.scans.size() && result.valid(); ++s) {
+      const RadarScan& scan = sweep.scans[s];
+      std::vector<DopplerReturn> returns(scan.returns.begin(), scan.returns.end());
+      for (std::size_t i = 0; i < returns.size() && compensated; ++i)
+        returns[i].doppler = result.residuals[result.offsets[s] + i];
+      watches[scan.radar].add(scan.time, returns, scan.T_base_from_sensor);
+      if (watches[scan.radar].verdict() != RangeRateWatch::Verdict::kGood)
+        found.insert(scene.radars[scan.radar].channel);
+    }
+  }
+  return found;
+}
+
+TEST(RecordedRangeRates, AreNoneWhereTheyAreCompensated) {
+  const std::filesystem::path dataroot = std::filesystem::path(RADAR_DOT_SHARED_DATA) / "nuscenes_mini_real";
+  if (!std::filesystem::exists(dataroot)) GTEST_SKIP() << "no real data under " << dataroot;
+  const dataset::Tables tables = dataset::Tables::load(dataroot);
+  Configuration nuscenes;
+  readConfigFile(NUSCENES_CONFIG, sectionsOf(nuscenes));
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < tables.scenes.size(); ++i) {
+    const auto scene = static_cast<dataset::Index>(i);
+    EXPECT_EQ(withoutRangeRates(tables, scene, nuscenes.ego_velocity, false), std::set<std::string>())
+        << tables.scenes[i].name;
+    found += !withoutRangeRates(tables, scene, nuscenes.ego_velocity, true).empty();
+  }
+  EXPECT_GE(found, 5U) << "the others stand, or have nothing to hold on to";
 }
 
 }  // namespace

@@ -42,6 +42,13 @@ TEST(TwistDefect, NamesTheFrameAndWhatIsNotFinite) {
   EXPECT_EQ(defect([](auto& twist) { twist.twist.angular.z = std::numeric_limits<double>::infinity(); }),
             "it is not finite");
   EXPECT_EQ(defect([](auto& twist) { twist.covariance[35] = kNaN; }), "it is not finite");
+  EXPECT_NE(defect([](auto& twist) { twist.covariance[7] = -1.0; }).find("negative"), std::string::npos);
+  EXPECT_NE(defect([](auto& twist) { twist.twist.linear.y = 1e38; }).find("faster"), std::string::npos);
+  EXPECT_EQ(defect([](auto& twist) { twist.covariance[14] = 1e9; }), "") << "as many say: not measured";
+  EXPECT_EQ(twistDefect(good, "base_link"), "");
+  geometry_msgs::TwistWithCovarianceStamped slashed = good;
+  slashed.header.frame_id = "/base_link";
+  EXPECT_EQ(twistDefect(slashed, "base_link"), "") << "as drivers from the days of tf have it";
 }
 
 TEST(TwistOf, ReadsEveryComponent) {

@@ -11,6 +11,7 @@
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -46,7 +47,7 @@ class LiveRotation {
     sensor_msgs::Imu imu;
     imu.header.stamp = stamp;
     imu.header.frame_id = "base_link";
-    imu.angular_velocity.z = LiveRadars::kYawRate;
+    imu.angular_velocity.z = LiveRadars::kYawRate * gyro_factor;
     imu_.publish(imu);
     nav_msgs::Odometry odometry;
     odometry.header.stamp = stamp;
@@ -55,8 +56,32 @@ class LiveRotation {
     const double yaw = LiveRadars::kYawRate * (stamp.toSec() - start_.toSec());
     odometry.pose.pose.orientation.w = std::cos(0.5 * yaw);
     odometry.pose.pose.orientation.z = std::sin(0.5 * yaw);
+    const double radius = speed / LiveRadars::kYawRate;
+    odometry.pose.pose.position.x = radius * std::sin(yaw);
+    odometry.pose.pose.position.y = radius * (1.0 - std::cos(yaw));
     odometry_.publish(odometry);
   }
+  /// Between the steady ones; NaN and such in every number.
+  void publishBroken(double value, std::size_t field) const {
+    sensor_msgs::Imu imu;
+    nav_msgs::Odometry odometry;
+    imu.header.stamp = odometry.header.stamp = ros::Time::now();
+    imu.header.frame_id = odometry.child_frame_id = "base_link";
+    odometry.header.frame_id = "map";
+    odometry.pose.pose.orientation.w = 1.0;
+    const std::vector<double*> numbers = {&imu.angular_velocity.x,
+                                          &imu.angular_velocity.z,
+                                          &imu.angular_velocity_covariance[0],
+                                          &imu.angular_velocity_covariance[8],
+                                          &imu.linear_acceleration.x,
+                                          &imu.linear_acceleration.z,
+                                          &odometry.pose.pose.position.x,
+                                          &odometry.pose.pose.orientation.z};
+    *numbers[field % numbers.size()] = value;
+    imu_.publish(imu);
+    odometry_.publish(odometry);
+  }
+  std::atomic<double> gyro_factor{1.0}, speed{LiveRadars::kSpeed};
 
  private:
   const ros::Time start_ = ros::Time::now();
@@ -230,6 +255,24 @@ TEST_F(FaultsTest, ARadarThatContradictsTheOthersIsNamed) {
   radars_.set(kBackLeft, {});
 }
 
+TEST_F(FaultsTest, OneRadarUnderTwoTopicsIsNamed) {
+  const auto sent = std::make_shared<PointCloud2>();
+  radars_.set(kFront, [sent](PointCloud2& cloud) { *sent = cloud; });
+  radars_.set(kBackRight, [sent](PointCloud2& cloud) {
+    if (!sent->data.empty()) cloud.data = sent->data;
+  });
+  EXPECT_TRUE(diagnostics_.says("ego_velocity: estimator", DiagnosticStatus::WARN, "send the same returns"));
+  radars_.set(kFront, {});
+  radars_.set(kBackRight, {});
+  EXPECT_TRUE(diagnostics_.says("ego_velocity: estimator", DiagnosticStatus::OK, ""));
+}
+
+TEST_F(FaultsTest, OneRadarUnderTwoNamesIsTakenOnce) {
+  EXPECT_TRUE(diagnostics_.says("watched: configuration", DiagnosticStatus::ERROR,
+                                "radars/renamed has the topic of front, '/radar_front'"));
+  EXPECT_EQ(diagnostics_.latest("watched: radar renamed").level, -1);
+}
+
 TEST_F(FaultsTest, OneRadarAndAnImuTellTheVelocity) {
   const Recorder<TwistWithCovarianceStamped> guided(handle_, "guided/ego/twist_raw");
   const LiveRotation rotation(handle_);
@@ -239,6 +282,67 @@ TEST_F(FaultsTest, OneRadarAndAnImuTellTheVelocity) {
   EXPECT_NEAR(twist->twist.twist.linear.y, 0.0, 0.1);
   EXPECT_NEAR(twist->twist.twist.angular.z, LiveRadars::kYawRate, 1e-6) << "as the IMU says";
   EXPECT_LT(twist->twist.covariance[7], 0.1) << "vy is observed";
+}
+
+// The vehicle turns by 0.1 rad/s: 5.73 degrees per second.
+TEST_F(FaultsTest, ARotationThatContradictsTheRadarsIsNamed) {
+  LiveRotation rotation(handle_);
+  const Recorder<nav_msgs::Odometry> gyro(handle_, "gyro/odom"), aided(handle_, "aided/odom");
+  EXPECT_TRUE(diagnostics_.says("odometry_gyro: rotation", DiagnosticStatus::OK, "IMU"));
+  EXPECT_TRUE(diagnostics_.says("odometry_aided: rotation", DiagnosticStatus::OK, "odometry"));
+  rotation.gyro_factor = -1.0;
+  EXPECT_TRUE(diagnostics_.says("odometry_gyro: rotation", DiagnosticStatus::WARN, "opposite signs"));
+  rotation.gyro_factor = 1.0;
+  EXPECT_TRUE(diagnostics_.says("odometry_gyro: rotation", DiagnosticStatus::OK, "IMU"));
+  rotation.gyro_factor = 57.3;
+  EXPECT_TRUE(diagnostics_.says("odometry_gyro: rotation", DiagnosticStatus::WARN, "in degrees per second"));
+  EXPECT_TRUE(diagnostics_.says("guided: estimator", DiagnosticStatus::WARN, "in degrees per second"))
+      << "by one radar";
+}
+
+TEST_F(FaultsTest, VelocitiesThatAreNoRangeRatesAreNamed) {
+  const LiveRotation rotation(handle_);
+  const Recorder<nav_msgs::Odometry> aided(handle_, "aided/odom");
+  ASSERT_TRUE(aided.grows(6));
+  const auto setRates = [this](float value) {
+    radars_.setAll([value](PointCloud2& cloud) {
+      for (const char* name : {"vx", "vy"}) {
+        sensor_msgs::PointCloud2Iterator<float> rate(cloud, name);
+        for (; rate != rate.end(); ++rate) *rate = value;
+      }
+    });
+  };
+  setRates(0.F);
+  EXPECT_TRUE(diagnostics_.says("odometry_aided: rotation", DiagnosticStatus::ERROR,
+                                "the range rates of the radars are zero, constant, or compensated"));
+  EXPECT_TRUE(diagnostics_.says("watched: estimator", DiagnosticStatus::ERROR, "vx"));
+  radars_.setAll({});
+  EXPECT_TRUE(diagnostics_.says("odometry_aided: rotation", DiagnosticStatus::OK, "odometry"));
+  expectTwistsGoOn();
+}
+
+TEST_F(FaultsTest, NumbersAtTheEdgeOfTheirTypeStayOutOfThePose) {
+  const LiveRotation rotation(handle_);
+  const Recorder<nav_msgs::Odometry> gyro(handle_, "gyro/odom"), aided(handle_, "aided/odom");
+  ASSERT_TRUE(waitUntil([&] { return gyro.count() > 5 && aided.count() > 5; }));
+  for (const double value : {std::nan(""), HUGE_VAL, 1e308, -1e308, 1e38, 1e-310, -1.0}) {
+    for (std::size_t field = 0; field < 8; ++field) {
+      rotation.publishBroken(value, field);
+      ros::WallDuration(0.01).sleep();
+    }
+  }
+  ASSERT_TRUE(waitUntil([&, before = gyro.count()] { return gyro.count() > before + 6; }));
+  ASSERT_TRUE(aided.grows(6));
+  for (const Recorder<nav_msgs::Odometry>* odometry : {&gyro, &aided}) {
+    for (const auto& message : odometry->messages()) {
+      const geometry_msgs::Pose& pose = message->pose.pose;
+      EXPECT_LT(std::hypot(pose.position.x, pose.position.y, pose.position.z), 1e4);
+      EXPECT_NEAR(std::hypot(pose.orientation.w, pose.orientation.x,
+                             std::hypot(pose.orientation.y, pose.orientation.z)),
+                  1.0, 1e-6);
+      for (const double covariance : message->pose.covariance) EXPECT_TRUE(std::isfinite(covariance));
+    }
+  }
 }
 
 TEST_F(FaultsTest, MissingRadarsAndSilentSourcesAreReported) {

@@ -584,17 +584,53 @@ TEST(CameraOf, RefusesCamerasThatSeeNothing) {
   expectRefused([](auto& info) { info.P[0] = std::numeric_limits<double>::quiet_NaN(); });
   expectRefused([](auto& info) { info.width = 0; });
   expectRefused([](auto& info) { info.height = 0; });
+  expectRefused([](auto& info) { info.K[0] = 1e38; });
+  expectRefused([](auto& info) { info.K[0] = 1e-300; });
+  expectRefused([](auto& info) { info.K[2] = -1e300; });
+  expectRefused([](auto& info) { info.binning_y = 901; });
+  expectRefused([](auto& info) { info.roi.width = info.roi.height = 4'294'967'295U; });
+  sensor_msgs::CameraInfo uncalibrated = cameraInfo();
+  uncalibrated.K.fill(0.0);
+  expectRefusal([&] { cameraOf(uncalibrated); }, {"camera_info", "no calibration"});
 }
 
-TEST(IsDistorted, OnlyWhereThereIsDistortionAndNoProjection) {
+// A point is seen by the pixels of the sensor, and two by two of them, from column 401 and row 101 on, are
+// one pixel of the image: column 401 and 402 make column 0.
+TEST(CameraOf, IsThatOfTheRegionAndOfBinnedPixels) {
   sensor_msgs::CameraInfo info = cameraInfo();
-  EXPECT_FALSE(isDistorted(info));
+  const CameraIntrinsics whole = cameraOf(info);
+  info.binning_x = info.binning_y = 2;
+  info.roi.x_offset = 401;
+  info.roi.y_offset = 101;
+  info.roi.width = 800;
+  info.roi.height = 600;
+  const CameraIntrinsics part = cameraOf(info);
+  EXPECT_EQ(part.width, 400);
+  EXPECT_EQ(part.height, 300);
+  const Eigen::Vector3d point(0.3, -0.2, 4.0);
+  const Eigen::Vector2d on_sensor = whole.project(point), in_image = part.project(point);
+  EXPECT_NEAR(in_image.x(), (on_sensor.x() - 401.5) / 2.0, 1e-9);
+  EXPECT_NEAR(in_image.y(), (on_sensor.y() - 101.5) / 2.0, 1e-9);
+  info.binning_x = 4;
+  EXPECT_EQ(cameraOf(info).width, 200);
+  EXPECT_EQ(cameraOf(info).height, 300);
+  info.roi.width = 1200;
+  expectRefusal([&] { cameraOf(info); }, {"roi of 1200 x 600 px at 401, 101", "1600 x 900"});
+  info.roi.width = info.roi.height = 0;
+  EXPECT_EQ(cameraOf(info).width, 400) << "a region of no size is the whole";
+}
+
+TEST(DistortionDoubt, WhereThereIsDistortionAndNoProjectionOfItsOwn) {
+  sensor_msgs::CameraInfo info = cameraInfo();
+  EXPECT_EQ(distortionDoubt(info), "");
   info.D = {0.0, 0.0, 0.0, 0.0, 0.0};
-  EXPECT_FALSE(isDistorted(info));
+  EXPECT_EQ(distortionDoubt(info), "");
   info.D[4] = -0.01;
-  EXPECT_TRUE(isDistorted(info));
+  EXPECT_NE(distortionDoubt(info).find("no P"), std::string::npos);
+  info.P = {1260.0, 0.0, 816.0, 0.0, 0.0, 1250.0, 491.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+  EXPECT_NE(distortionDoubt(info).find("a P that is K"), std::string::npos);
   info.P[0] = 1100.0;
-  EXPECT_FALSE(isDistorted(info));
+  EXPECT_EQ(distortionDoubt(info), "") << "as a calibration of rectified images has it";
 }
 
 TEST(IsGridOf, ComparesShapes) {

@@ -325,6 +325,46 @@ TEST_F(SegmentationFaults, WrongDepthIsRefused) {
 
 TEST_F(SegmentationFaults, WrongCameraIsRefused) {
   expectReported([](Frame& frame) { frame.camera.P[0] = frame.camera.K[0] = 0.0; }, kVerdict, "camera_info");
+  // As of a driver that takes half of the pixels, but does not say so.
+  expectReported([](Frame& frame) { frame.camera.binning_x = frame.camera.binning_y = 2; }, kVerdict,
+                 "160 x 90 px (with its roi and binning)");
+}
+
+TEST_F(SegmentationFaults, ACameraOfTheWholeSensorIsCroppedAndBinned) {
+  world_.set([](Frame& frame) {
+    sensor_msgs::CameraInfo& camera = frame.camera;
+    camera.width = 2 * VisionWorld::kWidth + 60;
+    camera.height = 2 * VisionWorld::kHeight + 40;
+    camera.binning_x = camera.binning_y = 2;
+    camera.roi.x_offset = 60;
+    camera.roi.y_offset = 40;
+    camera.roi.width = 2 * VisionWorld::kWidth;
+    camera.roi.height = 2 * VisionWorld::kHeight;
+    camera.K = {400.0, 0.0, 379.5, 0.0, 400.0, 219.5, 0.0, 0.0, 1.0};  // of pixels of half the size
+    camera.P.fill(0.0);
+  });
+  ASSERT_TRUE(masks_.grows(6));
+  EXPECT_GT(maskIou(*masks_.latest()), 0.9);
+  EXPECT_LT(largestStaticResidual(*residuals_.latest()), 0.02);
+}
+
+TEST_F(SegmentationFaults, ACameraThatSeemsUnrectifiedIsNamed) {
+  expectReported(
+      [](Frame& frame) {
+        frame.camera.D = {-0.3, 0.1, 0.0, 0.0, 0.0};
+      },
+      "segmentation: input camera_info", "a P that is K", DiagnosticStatus::WARN);
+}
+
+TEST_F(SegmentationFaults, AnImageFrameThatIsNoOpticalOneIsRefused) {
+  tf2_ros::StaticTransformBroadcaster broadcaster;
+  geometry_msgs::TransformStamped body = VisionWorld::mount();
+  body.child_frame_id = "camera_body";  // x ahead, z up
+  body.transform.rotation = geometry_msgs::Quaternion();
+  body.transform.rotation.w = 1.0;
+  broadcaster.sendTransform(body);
+  expectReported([](Frame& frame) { frame.flow.header.frame_id = "camera_body"; }, kVerdict,
+                 "the z axis of 'camera_body' looks up");
 }
 
 TEST_F(SegmentationFaults, UnknownDepthGivesAnEmptyMask) {
@@ -374,6 +414,12 @@ TEST_F(SegmentationFaults, CameraInfoMayHaveAnyStampAndComeOnce) {
   EXPECT_TRUE(diagnostics_.renews("segmentation: input camera_info"));
   EXPECT_EQ(diagnostics_.latest("segmentation: input camera_info").level, DiagnosticStatus::OK);
   world_.set({});
+}
+
+// Differences of such stamps are no ros::Duration.
+TEST_F(SegmentationFaults, FlowToTheEndOfTimeIsRefused) {
+  expectReported([](Frame& frame) { frame.flow.second_stamp = ros::Time(4'294'967'000U, 0); }, kVerdict,
+                 "no motion of the vehicle");
 }
 
 TEST_F(SegmentationFaults, WrongTwistIsRefused) {

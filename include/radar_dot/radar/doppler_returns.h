@@ -136,7 +136,7 @@ void validate(const ExtractionParams& params);
 struct ExtractionCounts {
   std::size_t total = 0;
   std::size_t accepted = 0;
-  std::size_t not_finite = 0;
+  std::size_t not_finite = 0;  ///< NaN, infinite, or farther or faster than any radar measures
   std::size_t out_of_range = 0;
   std::size_t out_of_azimuth = 0;
   std::size_t out_of_elevation = 0;

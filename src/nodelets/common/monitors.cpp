@@ -141,6 +141,7 @@ void InputMonitor::reset() {
   stream_.reset();
   stamps_.reset();
   good_ = refused_ = 0;
+  doubt_.clear();
 }
 
 void InputMonitor::report(const ros::Time& now, diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -156,6 +157,7 @@ void InputMonitor::report(const ros::Time& now, diagnostic_updater::DiagnosticSt
     } else if (!required_ && status.level == DiagnosticStatus::ERROR) {
       status.level = DiagnosticStatus::OK;  // its words stay
     }
+    if (!doubt_.empty()) status.mergeSummary(DiagnosticStatus::WARN, doubt_);
   }
   status.add("topic", topic_);
   status.addf(noun_ + "s refused", "%zu", refused_in_all_);
@@ -226,6 +228,7 @@ void RadarMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status)
     status.mergeSummaryf(DiagnosticStatus::WARN, "%s: arrival takes the time of arrival, %s corrects a delay",
                          nameOf(names, names.stamp), nameOf(names, names.time_offset));
   }
+  if (!range_rate_error_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, range_rate_error_);
   if (!figures_.warning.empty()) status.mergeSummary(DiagnosticStatus::WARN, figures_.warning);
   status.add("reads", description_);
   status.add("frame", frame_);
@@ -278,7 +281,8 @@ void EstimatorMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& sta
   } else if (valid_ > 0 && !fully_observed_) {
     status.mergeSummary(DiagnosticStatus::WARN, "the returns do not constrain every component");
   }
-  if (!warning_.empty()) status.mergeSummary(DiagnosticStatus::WARN, warning_);
+  if (!warning_.empty())
+    status.mergeSummary(warning_is_error_ ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN, warning_);
   status.addf("inlier share", "%.2f", inlier_share_);
   status.addf("condition number", "%.2f", condition_number_);
   status.addf("rms (m/s)", "%.3f", rms_);

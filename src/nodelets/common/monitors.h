@@ -103,6 +103,8 @@ class InputMonitor {
   void acceptUnordered(const std_msgs::Header& header, const ros::Time& now);
   /// What holds until the next one comes, as a calibration: any stamp, and silence is no error afterwards.
   void acceptLatched(const ros::Time& now);
+  /// What is probably wrong with the messages that are used: a WARN until it is empty.
+  void doubt(const std::string& doubt) { doubt_ = doubt; }
   /// The latest message cannot be used, whether it was accepted or not.
   void refuse(const std::string& cause);
   virtual void reset();
@@ -121,7 +123,7 @@ class InputMonitor {
   bool required_;
   StreamMonitor stream_;
   StampGuard stamps_;
-  std::string cause_;
+  std::string cause_, doubt_;
   bool heard_ = false;
   bool latest_is_good_ = false;
   bool lasts_ = false;
@@ -148,6 +150,8 @@ class RadarMonitor final : public InputMonitor {
   /// @param mount_yaw, mount_yaw_std  rad, as the velocity filter has learnt it
   void agreement(const RadarAgreement::Figures& figures, const SweepLosses& losses, double mount_yaw,
                  double mount_yaw_std);
+  /// Why its velocities are no range rates; empty: they are.
+  void rangeRates(const std::string& error) { range_rate_error_ = error; }
   /// A scan found its place in a sweep.
   void used() { ++used_; }
   /// The mount of the radar: `error` is empty when TF knows it.
@@ -160,7 +164,7 @@ class RadarMonitor final : public InputMonitor {
 
   double window_;
   std::string frame_, other_frame_, description_;
-  std::string mount_error_;
+  std::string mount_error_, range_rate_error_;
   ExtractionCounts counts_;
   RadarAgreement::Figures figures_;
   SweepLosses losses_;
@@ -179,8 +183,11 @@ class EstimatorMonitor {
 
   void estimate(const ros::Time& stamp, const ros::Time& arrival, const EgoVelocityResult& result,
                 double computation_time);
-  /// What contradicts the estimates; empty: nothing.
-  void warn(std::string warning) { warning_ = std::move(warning); }
+  /// What contradicts the estimates; empty: nothing. @param is_error  they are no measurement
+  void warn(std::string warning, bool is_error) {
+    warning_ = std::move(warning);
+    warning_is_error_ = is_error;
+  }
   void reset();
 
   /// Reports, and starts the next interval.
@@ -190,7 +197,7 @@ class EstimatorMonitor {
   StreamMonitor stream_;
   std::string reason_, warning_;
   double inlier_share_ = 0.0, condition_number_ = 0.0, rms_ = 0.0, computation_time_ = 0.0;
-  bool fully_observed_ = true;
+  bool fully_observed_ = true, warning_is_error_ = false;
   std::size_t valid_ = 0;    ///< since the last report
   std::size_t refused_ = 0;  ///< since the last report
   std::size_t estimates_in_all_ = 0, refused_in_all_ = 0;

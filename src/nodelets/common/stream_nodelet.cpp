@@ -122,8 +122,16 @@ InputMonitor& StreamNodelet::listenToTwists(EgoMotion& motion, InputOptions opti
 }
 
 InputMonitor& StreamNodelet::listenToCamera(sensor_msgs::CameraInfoConstPtr& camera, InputOptions options) {
-  return listen<sensor_msgs::CameraInfo>(
-      "camera_info", 2, [&camera](const sensor_msgs::CameraInfoConstPtr& message) { camera = message; },
+  auto monitor = std::make_unique<InputMonitor>("camera_info", expectation_, options.required);
+  InputMonitor* const input = monitor.get();
+  return *listenAs<sensor_msgs::CameraInfo>(
+      "input camera_info", std::move(monitor), "camera_info", 2,
+      [this, &camera, input](const sensor_msgs::CameraInfoConstPtr& message) {
+        camera = message;
+        const std::string doubt = distortionDoubt(*message);
+        input->doubt(doubt);
+        if (!doubt.empty()) warn("camera", "camera_info on '" + input->topic() + "': " + doubt);
+      },
       std::move(options), Stamps::kAny);
 }
 

@@ -10,6 +10,8 @@
 namespace radar_dot {
 namespace {
 
+constexpr float kFarthest = 1e5F;  // m; what is beyond was not measured
+
 /// The field `name` where it can be read; null where there is none.
 /// @throws std::invalid_argument for a field of no known type, or that reaches beyond its point
 const PointField* readableField(const std::vector<PointField>& fields, const PointCloudView& view,
@@ -63,7 +65,8 @@ std::vector<CloudPoint> pointsOf(const sensor_msgs::PointCloud2& cloud) {
     CloudPoint point;
     point.position = positions[i];
     if (residual != nullptr) point.residual = read(view.point(i), *residual);
-    if (point.position.allFinite()) points.push_back(point);
+    if (point.position.cwiseAbs().maxCoeff() < kFarthest && point.position.allFinite())
+      points.push_back(point);
   }
   return points;
 }

@@ -21,7 +21,12 @@ void EgoMotion::add(const geometry_msgs::TwistWithCovarianceStamped& twist) {
     unobserved_ += std::string(unobserved_.empty() ? "" : " and ") + "the yaw rate (choose another " +
                    nameOf(estimator, estimator.model) + ", or a " + nameOf(rotation, rotation.source) + ")";
   }
+  if (rotation_) rotation_->compare(twistOf(twist));
   changed_();
+}
+
+std::string EgoMotion::contradiction() const {
+  return rotation_ ? rotation_->contradiction("ego/twist", "the range rates of the radars") : "";
 }
 
 void EgoMotion::setUpRotation(const RotationParams& params, ros::NodeHandle& handle) {

@@ -48,6 +48,8 @@ class EgoMotion {
   }
   bool hasRotation() const { return rotation_ != nullptr; }
   void forget();
+  /// How the twists and the source of rotation contradict each other, and why; empty: they do not.
+  std::string contradiction() const;
   /// "odometry on '/rotation/odom'", or "yaw rate of the twists".
   std::string rotationText() const;
 

@@ -11,6 +11,8 @@
 namespace radar_dot {
 namespace {
 
+constexpr double kFarthest = 1e4;  // m, of a sensor from the origin of its vehicle
+
 struct ReceivedTransforms {
   explicit ReceivedTransforms(const ros::NodeHandle& handle)
       : listener(buffer, handle, !ProcessClock::isRecorded()) {}
@@ -55,6 +57,10 @@ std::optional<Eigen::Isometry3d> Extrinsics::lookup(const std::string& sensor_fr
   try {
     const Eigen::Isometry3d mount =
         isometryOf(buffer_->lookupTransform(base_frame_, frame, ros::Time(0)).transform);
+    if (!mount.matrix().allFinite() || mount.translation().norm() > kFarthest) {
+      error = "the transform from '" + frame + "' to '" + base_frame_ + "' is no mount on a vehicle";
+      return std::nullopt;
+    }
     last_[frame] = mount;
     return mount;
   } catch (const tf2::TransformException& exception) {
@@ -63,6 +69,19 @@ std::optional<Eigen::Isometry3d> Extrinsics::lookup(const std::string& sensor_fr
     error = "no transform from '" + frame + "' to '" + base_frame_ + "': " + exception.what();
     return std::nullopt;
   }
+}
+
+std::optional<Eigen::Isometry3d> Extrinsics::lookupCamera(const std::string& image_frame,
+                                                          std::string& error) {
+  constexpr double kUp = 0.7, kDown = -0.95;  // cosines of 45 and, to the other side, 18 degrees
+  std::optional<Eigen::Isometry3d> mount = lookup(image_frame, error);
+  if (!mount) return mount;
+  const double up = mount->linear()(2, 2);
+  if (up < kUp && up > kDown) return mount;
+  error = "the z axis of '" + withoutSlash(image_frame) + "' looks " + (up > 0.0 ? "up" : "down") +
+          ": images need an optical frame, z ahead, x to the right, y down; the usual turn from the camera's "
+          "body to it is static_transform_publisher 0 0 0 -1.5708 0 -1.5708 (yaw, pitch, roll)";
+  return std::nullopt;
 }
 
 }  // namespace radar_dot

@@ -28,6 +28,10 @@ class Extrinsics {
   /// T_base_from_sensor; none, and `error`, when TF knows no way between the two frames.
   std::optional<Eigen::Isometry3d> lookup(const std::string& sensor_frame, std::string& error);
 
+  /// The same of the frame of an image, which has z ahead, x to the right and y down: none where z looks up,
+  /// or straight down, as in a frame of the camera's body.
+  std::optional<Eigen::Isometry3d> lookupCamera(const std::string& image_frame, std::string& error);
+
   const std::string& baseFrame() const noexcept { return base_frame_; }
   /// Safe to use from any thread.
   tf2_ros::Buffer& buffer() noexcept { return *buffer_; }

@@ -9,13 +9,14 @@ namespace radar_dot {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 100;  // scans; more come only where one of the topics is silent
+constexpr float kFastest = 1e3F;          // m/s; what is beyond is no measurement
 constexpr std::size_t kMaxRadars = 100;   // more are frame names that vary from message to message
 
 std::vector<CloudPoint> pointsWithResidual(const sensor_msgs::PointCloud2& cloud) {
   std::vector<CloudPoint> finite;
   const std::vector<CloudPoint> points = pointsOf(cloud);
   for (const CloudPoint& point : points)
-    if (std::isfinite(point.residual) && point.position.norm() > 0.F) finite.push_back(point);
+    if (std::abs(point.residual) < kFastest && point.position.norm() > 0.F) finite.push_back(point);
   if (finite.empty() && !points.empty())
     throw std::invalid_argument("it has no finite residual: is it a cloud of EgoVelocity?");
   return finite;

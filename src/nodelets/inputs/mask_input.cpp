@@ -57,7 +57,7 @@ std::string MaskInput::markByLatest(RadarScan& scan) {
   if (!mask_ || !camera_) return "nothing on '" + (mask_ ? cameras_ : masks_).topic() + "' yet";
   std::string missing;
   const std::optional<Eigen::Isometry3d> T_base_from_camera =
-      extrinsics_.lookup(mask_->header.frame_id, missing);
+      extrinsics_.lookupCamera(mask_->header.frame_id, missing);
   if (!T_base_from_camera) return missing;
   const DecodedImage mask = decodedImageOf(mask_);
   const CameraIntrinsics camera = cameraOf(*camera_);

@@ -91,7 +91,7 @@ void RadarInput::read(const RadarMessage& message, const ros::Time& now, const F
 }
 
 std::string RadarInput::description() const {
-  const std::string& source = extractor_.dopplerSource();
+  const std::string& source = dopplerSource();
   std::string stamps = entry_.stamp == StampSource::kArrival ? "time of arrival" : "stamps of the header";
   if (entry_.time_offset) stamps += fmt::format(" {:+} s", *entry_.time_offset);
   return fmt::format("{} in frame '{}', range rate from {} times {}, {}", type_, frame_,

@@ -52,6 +52,8 @@ class RadarInput {
   /// "sensor_msgs/PointCloud2 in frame 'radar', range rate from field 'doppler', times 1, stamps of the
   /// header": of the messages so far.
   std::string description() const;
+  /// "field 'doppler'"; empty: no cloud with returns yet.
+  const std::string& dopplerSource() const noexcept { return extractor_.dopplerSource(); }
   /// Messages that were lost before the latest of those that came.
   std::size_t lost() const noexcept { return lost_; }
 

@@ -24,6 +24,11 @@ constexpr double kRateInterval = 0.1;  // s between two rotations that make a ra
 // rad/s, 1 sigma: of a rate from two rotations, with what it changes since; of a gyro beside the noise that
 // it states (many state none), its bias.
 constexpr double kDifferenceStd = 0.02, kGyroStd = 0.005;
+// Beyond any vehicle, in whatever unit; sums would overflow.
+constexpr double kFastest = 1e4;          // rad/s
+constexpr double kStrongest = 1e4;        // m/s^2
+constexpr double kFarthest = 1e8;         // m
+constexpr double kLargestVariance = 1e4;  // (rad/s)^2
 
 /// What both sources of messages have in common: nothing that arrives may end the process, and a
 /// wrong stamp costs no more than its own message.
@@ -88,11 +93,12 @@ class OdometrySource : public MessageSource<nav_msgs::Odometry> {
   void use(const nav_msgs::Odometry& odometry) override {
     const StampedPose sample = poseOf(odometry);
     if (restartsAt(odometry.header.stamp)) buffer_.clear();
-    if (!odometry.child_frame_id.empty() && odometry.child_frame_id != base_frame_) {
+    if (const std::string child = withoutSlash(odometry.child_frame_id);
+        !child.empty() && child != base_frame_) {
       callbacks_.warn(describe() + ": its child frame is '" + odometry.child_frame_id + "', not '" +
                       base_frame_ + "'; its rotation is taken as that of '" + base_frame_ + "'");
     }
-    frame_ = odometry.header.frame_id;
+    frame_ = withoutSlash(odometry.header.frame_id);
     buffer_.add(sample);
     callbacks_.sample();
   }
@@ -135,7 +141,7 @@ class ImuSource : public MessageSource<sensor_msgs::Imu> {
   void use(const sensor_msgs::Imu& imu) override {
     const Eigen::Vector3d rate(imu.angular_velocity.x, imu.angular_velocity.y, imu.angular_velocity.z);
     // -1 in the first place of a covariance is how sensor_msgs/Imu says "not measured".
-    if (!rate.allFinite() || imu.angular_velocity_covariance[0] == -1.0) {
+    if (!(rate.norm() < kFastest) || imu.angular_velocity_covariance[0] == -1.0) {
       throw std::invalid_argument("it has no angular velocity");
     }
     std::string error;
@@ -164,14 +170,16 @@ class ImuSource : public MessageSource<sensor_msgs::Imu> {
   static Eigen::Vector3d forceOf(const sensor_msgs::Imu& imu) {
     const Eigen::Vector3d force(imu.linear_acceleration.x, imu.linear_acceleration.y,
                                 imu.linear_acceleration.z);
-    const bool is_measured = imu.linear_acceleration_covariance[0] != -1.0 && force.allFinite();
+    const bool is_measured = imu.linear_acceleration_covariance[0] != -1.0 && force.norm() < kStrongest;
     return is_measured ? force : Eigen::Vector3d::Zero();
   }
   static Eigen::Matrix3d covarianceOf(const boost::array<double, 9>& values) {
     const Eigen::Matrix3d stated =
         Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
     const Eigen::Matrix3d bias = kGyroStd * kGyroStd * Eigen::Matrix3d::Identity();
-    return stated.allFinite() ? stated + bias : bias;
+    const bool is_sound = stated.allFinite() && stated.diagonal().minCoeff() >= 0.0 &&
+                          stated.cwiseAbs().maxCoeff() < kLargestVariance;
+    return is_sound ? stated + bias : bias;
   }
   void addRate(double time, const AngularVelocity& rate) {
     rates_.emplace_back(time, rate);
@@ -194,6 +202,7 @@ class TfSource : public RotationSource {
     try {
       const Eigen::Isometry3d pose = isometryOf(
           extrinsics_.buffer().lookupTransform(fixed_frame_, extrinsics_.baseFrame(), stamp).transform);
+      if (!(pose.translation().norm() < kFarthest)) return std::nullopt;
       latest_ = std::max(latest_.value_or(0.0), stamp.toSec());
       return StampedPose(stamp.toSec(), pose);
     } catch (const std::exception&) {
@@ -217,16 +226,51 @@ class TfSource : public RotationSource {
 
 }  // namespace
 
-std::optional<AngularVelocity> RotationSource::rateAt(const ros::Time& stamp) {
+std::optional<StampedTwist> RotationSource::motionAt(const ros::Time& stamp) {
   const double time = stamp.toSec();
   for (const double end : {time, time - 0.5 * kMaxRateAge, time - kMaxRateAge}) {
     if (end <= kRateInterval) break;
     const std::optional<StampedPose> from = at(ros::Time(end - kRateInterval)), to = at(ros::Time(end));
-    if (!from || !to) continue;
-    return AngularVelocity{baseVelocity(from->isometry().inverse() * to->isometry(), kRateInterval).angular,
-                           kDifferenceStd * kDifferenceStd * Eigen::Matrix3d::Identity()};
+    if (from && to) return baseVelocity(from->isometry().inverse() * to->isometry(), kRateInterval);
   }
   return std::nullopt;
+}
+
+std::optional<AngularVelocity> RotationSource::rateAt(const ros::Time& stamp) {
+  const std::optional<StampedTwist> motion = motionAt(stamp);
+  if (!motion) return std::nullopt;
+  return AngularVelocity{motion->angular, kDifferenceStd * kDifferenceStd * Eigen::Matrix3d::Identity()};
+}
+
+void RotationSource::compareRate(double time, double yaw_rate, double variance) {
+  if (const std::optional<AngularVelocity> rate = rateAt(ros::Time(time)))
+    rates_.add(time, yaw_rate, std::sqrt(variance + rate->covariance(2, 2)), rate->rate.z());
+}
+
+void RotationSource::compareSpeed(double time, double forward) {
+  if (!hasPosition()) return;
+  if (const std::optional<StampedTwist> motion = motionAt(ros::Time(time)))
+    speeds_.add(time, forward, motion->linear.x());
+}
+
+void RotationSource::compare(const StampedTwist& twist) {
+  expireComparisons(twist.time);
+  if (twist.observes(5)) compareRate(twist.time, twist.angular.z(), std::max(0.0, twist.covariance(5, 5)));
+  if (twist.observes(0)) compareSpeed(twist.time, twist.linear.x());
+}
+
+void RotationSource::expireComparisons(double time) {
+  rates_.expire(time);
+  speeds_.expire(time);
+}
+
+std::string RotationSource::contradiction(const std::string& radars, const std::string& rates) const {
+  const std::string of_speed = speeds_.warning(radars, describe(), rates);
+  const std::string of_rate =
+      rates_.warning(radars, describe(),
+                     "one of the two is wrong: the unit, the mount or the offset of that "
+                     "source, or the mounts or the range rates of the radars");
+  return of_speed + (of_speed.empty() || of_rate.empty() ? "" : "; ") + of_rate;
 }
 
 StampedPose poseOf(const nav_msgs::Odometry& odometry) {
@@ -237,7 +281,7 @@ StampedPose poseOf(const nav_msgs::Odometry& odometry) {
   sample.rotation = Eigen::Quaterniond(q.w, q.x, q.y, q.z);
   sample.position = {p.x, p.y, p.z};
   const double norm = sample.rotation.norm();
-  if (!(std::abs(norm - 1.0) < 0.1) || !sample.position.allFinite()) {
+  if (!(std::abs(norm - 1.0) < 0.1) || !(sample.position.norm() < kFarthest)) {
     throw std::invalid_argument("it has no unit quaternion or no finite position");
   }
   sample.rotation.normalize();
@@ -254,10 +298,12 @@ std::unique_ptr<RotationSource> makeRotationSource(const RotationParams& params,
     case RotationSourceKind::kImu:
       return std::make_unique<ImuSource>(handle, extrinsics, std::move(callbacks));
     case RotationSourceKind::kTf: {
-      const bool is_own = params.fixed_frame.empty() || params.fixed_frame == params.odom_frame;
+      const std::string fixed = withoutSlash(params.fixed_frame);
+      const bool is_own =
+          fixed.empty() || fixed == withoutSlash(params.odom_frame) || fixed == extrinsics.baseFrame();
       require(!is_own, fieldsOf(params), {&params.source, &params.fixed_frame, &params.odom_frame},
               "it needs a world-fixed frame of TF other than that of our own odometry");
-      return std::make_unique<TfSource>(params.fixed_frame, extrinsics);
+      return std::make_unique<TfSource>(fixed, extrinsics);
     }
   }
   return nullptr;

@@ -15,6 +15,8 @@
 #include "radar_dot/common/pose_buffer.h"
 #include "radar_dot/common/stamped_twist.h"
 #include "radar_dot/config/sections.h"
+#include "radar_dot/radar/speed_comparison.h"
+#include "radar_dot/radar/yaw_rate_comparison.h"
 
 namespace radar_dot {
 
@@ -52,6 +54,27 @@ class RotationSource {
   virtual std::string frame() const = 0;
   /// One line for logs: what the source listens to.
   virtual std::string describe() const = 0;
+
+  // What the radars alone say, in the order of time, is compared with the source.
+  /// @param time  s   @param yaw_rate  rad/s   @param variance  (rad/s)^2
+  void compareRate(double time, double yaw_rate, double variance);
+  /// @param forward  m/s, at the origin of the base frame
+  void compareSpeed(double time, double forward);
+  /// The same with what a twist observes.
+  void compare(const StampedTwist& twist);
+  /// Forgets contradictions for which there are no readings any more, up to `time`.
+  void expireComparisons(double time);
+  bool contradictsSpeed() const { return speeds_.verdict() != SpeedComparison::Verdict::kAgree; }
+  /// What has contradicted for seconds, and the likely cause; empty: nothing.
+  /// @param radars, rates  what is compared, and its range rates, for the text
+  std::string contradiction(const std::string& radars, const std::string& rates) const;
+
+ private:
+  /// Of the base, over a moment that ends at `stamp` or shortly before; none: not known.
+  std::optional<StampedTwist> motionAt(const ros::Time& stamp);
+
+  YawRateComparison rates_;
+  SpeedComparison speeds_;
 };
 
 /// The pose of a message. @throws std::invalid_argument where it has no unit quaternion or is not finite.

@@ -6,7 +6,16 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "common/transform_messages.h"
+
 namespace radar_dot {
+namespace {
+
+// What is beyond would overflow where it is squared and summed up.
+constexpr double kFastest = 1e3;   // m/s, rad/s
+constexpr double kVaguest = 1e12;  // (m/s)^2, (rad/s)^2
+
+}  // namespace
 
 geometry_msgs::TwistWithCovarianceStamped twistMessage(const ros::Time& stamp, const std::string& base_frame,
                                                        const EgoVelocityResult& result) {
@@ -33,12 +42,17 @@ StampedTwist twistOf(const geometry_msgs::TwistWithCovarianceStamped& message) {
 
 std::string twistDefect(const geometry_msgs::TwistWithCovarianceStamped& message,
                         const std::string& base_frame) {
-  if (message.header.frame_id != base_frame) {
+  if (withoutSlash(message.header.frame_id) != base_frame) {
     return "its frame is '" + message.header.frame_id + "', not the base frame '" + base_frame + "'";
   }
   const StampedTwist twist = twistOf(message);
   const bool finite = twist.linear.allFinite() && twist.angular.allFinite() && twist.covariance.allFinite();
-  return finite ? "" : "it is not finite";
+  if (!finite) return "it is not finite";
+  if (twist.linear.norm() > kFastest || twist.angular.norm() > kFastest)
+    return "it is faster than anything on wheels";
+  if (twist.covariance.diagonal().minCoeff() < 0.0) return "its covariance has a negative variance";
+  return twist.covariance.cwiseAbs().maxCoeff() > kVaguest ? "its covariance is beyond any number of use"
+                                                           : "";
 }
 
 EgoStatus statusMessage(const ros::Time& stamp, const std::string& base_frame,

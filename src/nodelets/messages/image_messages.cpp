@@ -3,6 +3,7 @@
 #include "nodelets/messages/image_messages.h"
 
 #include <cv_bridge/cv_bridge.h>
+#include <fmt/format.h>
 #include <sensor_msgs/image_encodings.h>
 
 #include <Eigen/Core>
@@ -101,6 +102,36 @@ void fill(sensor_msgs::Image& message, const std_msgs::Header& header, const std
   const std::size_t step = packed.elemSize() * static_cast<std::size_t>(packed.cols);
   message.step = static_cast<std::uint32_t>(step);
   message.data.assign(packed.data, packed.data + step * message.height);
+}
+
+/// The camera of the pixels that are sent: those of the region of interest, `binning` of them in one.
+/// A region of no size is the whole image, a binning of 0 is 1. Rectified images keep the region of the raw
+/// ones, as image_proc does, whatever do_rectify says.
+/// @throws std::invalid_argument for a region beyond the image, or one that leaves no pixel
+CameraIntrinsics takenPartOf(CameraIntrinsics camera, const sensor_msgs::CameraInfo& message) {
+  const sensor_msgs::RegionOfInterest& roi = message.roi;
+  if (roi.width > 0 && roi.height > 0) {
+    if (std::uint64_t{roi.x_offset} + roi.width > message.width ||
+        std::uint64_t{roi.y_offset} + roi.height > message.height) {
+      throw std::invalid_argument(
+          fmt::format("its roi of {} x {} px at {}, {} reaches beyond its image of {} x {} px", roi.width,
+                      roi.height, roi.x_offset, roi.y_offset, message.width, message.height));
+    }
+    camera.cx -= roi.x_offset;
+    camera.cy -= roi.y_offset;
+    camera.width = static_cast<int>(roi.width);
+    camera.height = static_cast<int>(roi.height);
+  }
+  const double across = std::max(1U, message.binning_x), down = std::max(1U, message.binning_y);
+  camera = {camera.fx / across,
+            camera.fy / down,
+            (camera.cx + 0.5) / across - 0.5,
+            (camera.cy + 0.5) / down - 0.5,
+            static_cast<int>(camera.width / across),
+            static_cast<int>(camera.height / down)};
+  if (camera.width == 0 || camera.height == 0)
+    throw std::invalid_argument(fmt::format("its binning of {:g} x {:g} leaves no pixel", across, down));
+  return camera;
 }
 
 }  // namespace
@@ -246,21 +277,39 @@ CameraIntrinsics cameraOf(const sensor_msgs::CameraInfo& message) {
   }
   // Pictures of this size are allocated: more than any camera has is a message that is damaged.
   constexpr std::uint32_t kLargest = 1U << 14U;
+  constexpr double kNarrowest = 1e4, kWidest = 1e-2;  // focal lengths over the larger side
+  constexpr double kFarthest = 1e2;                   // of the principal point, of the larger side
   if (std::max(message.width, message.height) > kLargest) {
     throw std::invalid_argument("camera_info: its size of " + std::to_string(message.width) + " x " +
                                 std::to_string(message.height) + " px is beyond " + std::to_string(kLargest));
   }
   try {
-    return CameraIntrinsics::fromMatrix(matrix, static_cast<int>(message.width),
-                                        static_cast<int>(message.height));
+    const CameraIntrinsics whole = CameraIntrinsics::fromMatrix(matrix, static_cast<int>(message.width),
+                                                                static_cast<int>(message.height));
+    const double side = std::max(whole.width, whole.height);
+    if (std::min(whole.fx, whole.fy) < kWidest * side || std::max(whole.fx, whole.fy) > kNarrowest * side ||
+        std::max(std::abs(whole.cx), std::abs(whole.cy)) > kFarthest * side) {
+      throw std::invalid_argument(fmt::format(
+          "focal lengths of {:g} and {:g} px and a principal point at {:g}, {:g} px are of no image of "
+          "{} x {} px",
+          whole.fx, whole.fy, whole.cx, whole.cy, whole.width, whole.height));
+    }
+    return takenPartOf(whole, message);
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(std::string("camera_info: ") + error.what());
+    throw std::invalid_argument(std::string("camera_info: ") + error.what() +
+                                (matrix.isZero() ? ": its driver has no calibration" : ""));
   }
 }
 
-bool isDistorted(const sensor_msgs::CameraInfo& message) {
-  return message.P[0] == 0.0 &&
-         std::any_of(message.D.begin(), message.D.end(), [](double d) { return d != 0.0; });
+std::string distortionDoubt(const sensor_msgs::CameraInfo& message) {
+  if (std::all_of(message.D.begin(), message.D.end(), [](double d) { return d == 0.0; })) return {};
+  const auto& K = message.K;
+  const auto& P = message.P;
+  const bool same = P[0] == K[0] && P[2] == K[2] && P[5] == K[4] && P[6] == K[5];
+  if (P[0] != 0.0 && !same) return {};
+  return std::string("it has distortion (D) and ") + (same ? "a P that is K" : "no P") +
+         ", as drivers send it with raw images: the images must be rectified (image_proc); of images that "
+         "are, D is zero";
 }
 
 }  // namespace radar_dot

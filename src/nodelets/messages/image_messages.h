@@ -58,10 +58,12 @@ FlowPtr flowMessage(const std_msgs::Header& header, const ros::Time& second_stam
 sensor_msgs::ImagePtr imageMessage(const std_msgs::Header& header, const std::string& encoding,
                                    const cv::Mat& pixels);
 
-/// The camera of rectified images: the projection matrix P where it is given, else K.
+/// The camera of rectified images: the projection matrix P where it is given, else K. Its size is that of the
+/// images that are sent: of the region of interest, binned.
 CameraIntrinsics cameraOf(const sensor_msgs::CameraInfo& message);
-/// True where images are not rectified: K is all that is given, and there is distortion.
-bool isDistorted(const sensor_msgs::CameraInfo& message);
+/// Why the images are probably not rectified: there is distortion, and P is not given, or K once more. Empty:
+/// no doubt.
+std::string distortionDoubt(const sensor_msgs::CameraInfo& message);
 
 /// Of a raw image whose bytes are there. @throws std::invalid_argument that starts with `what`, if not
 cv::Size imageSizeOf(const sensor_msgs::Image& message, const std::string& what);
