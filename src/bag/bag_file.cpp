@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "common/leftovers.h"
+
 namespace radar_dot::bag {
 namespace {
 
@@ -50,6 +52,7 @@ BagFile::BagFile(fs::path file, Compression compression, bool overwrite)
     throw std::runtime_error(
         fmt::format("{} exists already: remove it, or allow overwriting (--force)", file_.string()));
   }
+  removeLeftovers(folder, file_.filename().string() + ".partial-");
   try {
     open(compression);
   } catch (...) {
@@ -65,6 +68,7 @@ void BagFile::open(Compression compression) {
   errno = 0;
   try {
     bag_->open(partial_.string(), rosbag::bagmode::Write);
+    in_use_ = std::make_unique<InUse>(partial_);
     bag_->setCompression(toRosbag(compression));
     bag_->setChunkThreshold(kChunkBytes);
   } catch (const ros::Exception& error) {

@@ -15,15 +15,21 @@
 #include <system_error>
 #include <utility>
 
+#include "common/leftovers.h"
+
 namespace radar_dot {
 
 namespace {
+
+constexpr const char* kPartial = ".partial-";
 
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const std::string& path, const std::string& cause) {
   throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, cause));
 }
+
+fs::path folderOf(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
 /// What is written to for a path, and whether it is a device or pipe, which is never replaced.
 std::pair<fs::path, bool> targetOf(const std::string& path) {
@@ -39,7 +45,7 @@ std::pair<fs::path, bool> targetOf(const std::string& path) {
 
 void requireReplaceable(const std::string& path) {
   const auto [target, in_place] = targetOf(path);
-  std::string name = target.string() + (in_place ? "" : ".XXXXXX");
+  std::string name = target.string() + (in_place ? "" : std::string(kPartial) + "XXXXXX");
   // Opening a pipe would wait for its reader.
   const int descriptor = in_place ? ::access(name.c_str(), W_OK) : ::mkstemp(name.data());
   if (descriptor < 0) fail(path, std::generic_category().message(errno));
@@ -50,9 +56,11 @@ void requireReplaceable(const std::string& path) {
 
 void replaceFile(const std::string& path, const std::string& text) {
   const auto [target, in_place] = targetOf(path);
-  std::string name = in_place ? target.string() : target.string() + ".XXXXXX";
+  if (!in_place) removeLeftovers(folderOf(target), target.filename().string() + kPartial);
+  std::string name = target.string() + (in_place ? "" : std::string(kPartial) + "XXXXXX");
   const int descriptor = in_place ? ::open(name.c_str(), O_WRONLY | O_CLOEXEC) : ::mkstemp(name.data());
   if (descriptor < 0) fail(path, std::generic_category().message(errno));
+  const InUse in_use(in_place ? "" : name);
   int cause = 0;
   for (std::size_t written = 0; written < text.size() && cause == 0;) {
     const ssize_t count = ::write(descriptor, text.data() + written, text.size() - written);

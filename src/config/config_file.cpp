@@ -3,6 +3,7 @@
 #include "config/config_file.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <cerrno>
@@ -12,6 +13,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <sstream>
 #include <system_error>
 
 #include "radar_dot/common/did_you_mean.h"
@@ -34,6 +36,38 @@ std::string contentOf(const std::string& path) {
     const std::error_code cause(errno, std::generic_category());
     throw ConfigFileError(fmt::format("cannot read {}: {}", path, cause.message()));
   }
+}
+
+/// YAML::LoadAll takes a comma where a document should begin for a document, and again, until there is no
+/// memory left. Here it is refused.
+class DocumentStarts : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (mark.pos == last_) throw YAML::ParserException(mark, "no document begins here");
+    last_ = mark.pos;
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+  }
+  void OnMapEnd() override {}
+
+ private:
+  int last_ = -1;
+};
+
+/// @throws YAML::Exception
+std::vector<YAML::Node> documentsOf(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStarts starts;
+  while (parser.HandleNextDocument(starts)) continue;
+  return YAML::LoadAll(text);
 }
 
 [[noreturn]] void refuse(const Field& field, const std::string& what) {
@@ -124,7 +158,7 @@ class Reader {
   void forEachDocument(const std::function<void(const YAML::Node&)>& read) const {
     const std::string text = contentOf(path_);
     try {
-      for (const YAML::Node& document : YAML::LoadAll(text)) read(document);
+      for (const YAML::Node& document : documentsOf(text)) read(document);
     } catch (const YAML::Exception& error) {
       throw ConfigFileError(fmt::format("{}:{}: not valid YAML: {}", path_, error.mark.line + 1, error.msg));
     }

@@ -88,6 +88,7 @@ cv::Mat decodeMask(const RunLengthMask& mask) {
   requireFullCanvas(mask);
   // Runs go down the columns, so they are contiguous in the transposed image.
   cv::Mat transposed(mask.columns, mask.rows, CV_8UC1);
+  if (transposed.empty()) return cv::Mat(mask.rows, mask.columns, CV_8UC1);  // OpenCV does not turn nothing
   std::uint8_t* pixel = transposed.data;
   std::uint8_t value = 0;
   for (const std::uint32_t run : mask.counts) {

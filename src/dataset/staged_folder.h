@@ -4,6 +4,11 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
+
+namespace radar_dot {
+class InUse;
+}
 
 namespace radar_dot::dataset {
 
@@ -17,7 +22,8 @@ class StagedFolder {
   /// and in commit().
   /// @throws DatasetError naming the path, also where it is no folder or cannot be made.
   StagedFolder(const std::filesystem::path& output, Guard guard);
-  /// Without commit() nothing stays behind.
+  /// Without commit() nothing stays behind but of a process that is killed, and that goes with the next
+  /// folder of this name.
   ~StagedFolder();
   StagedFolder(const StagedFolder&) = delete;
   StagedFolder& operator=(const StagedFolder&) = delete;
@@ -30,9 +36,12 @@ class StagedFolder {
 
  private:
   bool isOccupied() const;
+  void clearUp() const;
+  std::filesystem::path moveIn() const;
 
   std::filesystem::path output_, partial_;
   Guard guard_;
+  std::unique_ptr<InUse> in_use_;
   bool committed_ = false;
 };
 

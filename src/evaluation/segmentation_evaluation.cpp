@@ -6,14 +6,18 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "common/replace_file.h"
 #include "creeping_actors.h"
 #include "radar_dot/vision/rigid_motion.h"
 #include "radar_scene.h"
@@ -221,7 +225,9 @@ void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, Segmenta
   count(mask, truth, ignored, creeping, report.pixels);
   if (!options_.mask_directory.empty()) {
     const fs::path file = fs::path(options_.mask_directory) / images_.pngName(pair.first);
-    if (!cv::imwrite(file.string(), mask)) throw std::runtime_error(file.string() + ": cannot be written");
+    std::vector<std::uint8_t> png;
+    cv::imencode(".png", mask, png);
+    replaceFile(file.string(), std::string(png.begin(), png.end()));
   }
 }
 

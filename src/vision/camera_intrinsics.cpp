@@ -11,10 +11,15 @@
 namespace radar_dot {
 
 CameraIntrinsics CameraIntrinsics::fromMatrix(const Eigen::Matrix3d& matrix, int width, int height) {
-  if (!matrix.allFinite() || !(matrix(0, 0) > 0.0) || !(matrix(1, 1) > 0.0)) {
-    throw std::invalid_argument(fmt::format(
-        "camera matrix: the focal lengths are {} and {} px; they must be positive, and all of it finite",
-        matrix(0, 0), matrix(1, 1)));
+  // Beyond these, products of them are no numbers.
+  constexpr double kLeast = 1e-3, kMost = 1e6;
+  if (!matrix.allFinite() || matrix.cwiseAbs().maxCoeff() > kMost || !(matrix(0, 0) >= kLeast) ||
+      !(matrix(1, 1) >= kLeast)) {
+    throw std::invalid_argument(
+        fmt::format("camera matrix: the focal lengths are {} and {} px, the centre {}, {}; the lengths must "
+                    "be at least {}, and all "
+                    "of it finite and at most {}",
+                    matrix(0, 0), matrix(1, 1), matrix(0, 2), matrix(1, 2), kLeast, kMost));
   }
   if (width <= 0 || height <= 0) {
     throw std::invalid_argument(

@@ -169,6 +169,7 @@ TEST_F(NuscenesToBag, ResumesWithPartOfTheDatasetOnDisk) {
   EXPECT_EQ(second.exit_code, 0) << second.errors;
   EXPECT_NE(second.output.find("2 scenes, their bags: 1 written, 1 complete before, 0 missing"),
             std::string::npos);
+  EXPECT_FALSE(fs::exists(output() / "scene-0001.bag.partial-1"));
   EXPECT_EQ(fs::last_write_time(output() / "scene-0002.bag"), written);
   const auto counts = test::BagReader(output() / "scene-0001.bag").counts();
   EXPECT_EQ(counts.at("/cam_front/image/compressed"), 4U);

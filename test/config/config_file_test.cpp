@@ -137,6 +137,8 @@ TEST_F(ConfigFile, RefusesAFileOfAnotherShape) {
                   {"- depth\n", "1: the file is no dictionary of names and values"},
                   {"depth: {[1, 2]: 3}\n", "1: depth has a key that is not a name"}});
   EXPECT_EQ(refusalOf("ego_velocity:\n  states: [1, 2\ndepth:\n").substr(0, 18), "3: not valid YAML:");
+  for (const char* endless : {", depth: 1\n", "depth:\n---\n,\n"})
+    EXPECT_NE(refusalOf(endless).find(": not valid YAML: "), std::string::npos) << endless;
 }
 
 TEST_F(ConfigFile, NamesAFileThatCannotBeRead) {

@@ -167,6 +167,17 @@ TEST_F(DatarootFilesTest, AnOutputThatBecomesForeignMeanwhileIsNotReplaced) {
   EXPECT_EQ(sceneIn(output()), "scene-0001");
 }
 
+TEST_F(DatarootFilesTest, ClearsUpAfterAKilledRun) {
+  write(output(), 1);
+  // Between moving the old folder out of the way and the new one in: the old one is all there is.
+  fs::rename(output(), folder_.path() / ".drive.replaced-1");
+  test::writeFile(folder_.path() / ".drive.partial-1/samples/half", "a scene");
+  test::expectRefusal<DatasetError>([&] { write(output(), 2); }, {output().string(), "--force"});
+  EXPECT_EQ(sceneIn(output()), "scene-0001");
+  const auto entries = fs::directory_iterator(folder_.path());
+  EXPECT_EQ(std::distance(begin(entries), end(entries)), 1);
+}
+
 TEST_F(DatarootFilesTest, AFileInTheWayIsNeverReplaced) {
   test::writeFile(output(), "a file");
   expectRefusal({output().string(), "in the way"});

@@ -66,6 +66,14 @@ TEST(RunLengths, EmptyAndFullMasks) {
       << "any nonzero pixel belongs to the mask";
 }
 
+TEST(RunLengths, AMaskWithoutPixelsIsEmpty) {
+  for (const auto& [rows, columns] : {std::pair(0, 0), std::pair(5, 0), std::pair(0, 5)}) {
+    const cv::Mat mask = decodeMask(parseRunLengths("", rows, columns));
+    EXPECT_EQ(mask.size(), cv::Size(columns, rows));
+    EXPECT_EQ(mask.type(), CV_8UC1);
+  }
+}
+
 TEST(RunLengths, RandomMasksSurviveTheRoundTrip) {
   std::mt19937 random(20);
   for (int trial = 0; trial < 200; ++trial) {

@@ -582,6 +582,8 @@ TEST(CameraOf, RefusesCamerasThatSeeNothing) {
   expectRefused([](auto& info) { info.P[0] = 1100.0; });  // and no focal length downwards
   expectRefused([](auto& info) { info.K[2] = std::numeric_limits<double>::quiet_NaN(); });
   expectRefused([](auto& info) { info.P[0] = std::numeric_limits<double>::quiet_NaN(); });
+  for (const double damaged : {1e-200, 1e200}) expectRefused([&](auto& info) { info.K[0] = damaged; });
+  expectRefused([](auto& info) { info.K[2] = -1e200; });
   expectRefused([](auto& info) { info.width = 0; });
   expectRefused([](auto& info) { info.height = 0; });
   expectRefused([](auto& info) { info.K[0] = 1e38; });

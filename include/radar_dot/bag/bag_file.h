@@ -16,6 +16,9 @@
 #include "radar_dot/common/enum_names.h"
 
 namespace radar_dot {
+
+class InUse;
+
 namespace bag {
 
 enum class Compression : std::uint8_t { kNone, kLz4, kBz2 };
@@ -31,7 +34,8 @@ struct EnumNames<bag::Compression> {
 namespace bag {
 
 /// A rosbag that appears under its name only when it is complete: it grows as
-/// `<file>.partial-<process id>` and is renamed by commit(). Without a commit nothing stays behind.
+/// `<file>.partial-<process id>` and is renamed by commit(). Without a commit nothing stays behind but of a
+/// process that is killed, and that goes with the next bag of this name.
 class BagFile {
  public:
   /// Opens the bag for writing; missing folders are made.
@@ -76,6 +80,7 @@ class BagFile {
   std::filesystem::path partial_;
   bool overwrite_ = false;
   std::unique_ptr<rosbag::Bag> bag_;
+  std::unique_ptr<InUse> in_use_;
   std::size_t messages_ = 0;
 };
 
