@@ -1,5 +1,5 @@
 # cmake -DSOURCE=<package> -DSCRATCH=<folder> -DGENERATOR=<name> -P vehicle_build.cmake
-# Configures the package as on a vehicle that has catkin, Eigen, OpenCV, fmt, TBB and yaml-cpp only.
+# Configures the package as on a vehicle that has catkin, Eigen, OpenCV, fmt, libjpeg, TBB and yaml-cpp only.
 cmake_minimum_required(VERSION 3.16)
 
 set(absent Embree PCL RapidJSON boost_program_options Torch)
