@@ -381,5 +381,38 @@ TEST(ExtremeValues, OfPixelsStayWhereTheyAre) {
   }
 }
 
+// Of a region of the mask, in a part of it and in all of it.
+TEST(ExtremeValues, OfRegionsMakeNoObjectThatIsNotFinite) {
+  const cv::Rect region(70, 30, 20, 20);
+  const CameraIntrinsics camera = cameraOf(cameraInfo());
+  const Eigen::Isometry3d mount = pairOf().T_base_from_camera;
+  const auto track = [&](const cv::Mat& depth, const cv::Mat& residual) {
+    cv::Mat mask = cv::Mat::zeros(90, 160, CV_8UC1);
+    mask(region).setTo(255);
+    ObjectTracker tracker;
+    for (int i = 0; i < 10; ++i) {
+      tracker.update(0.1 * i, std::nullopt,
+                     detectObjects(0.1 * i, {}, regionsOfMask(mask, depth, residual, 0.1, camera, mount)),
+                     Eigen::Isometry3d::Identity());
+    }
+    for (const ObjectTrack& each : tracker.all())
+      EXPECT_TRUE(each.state.allFinite() && each.covariance.allFinite());
+    return tracker.all().size();
+  };
+  const cv::Mat depth(90, 160, CV_32FC1, cv::Scalar(20.0)), residual(90, 160, CV_32FC2, cv::Scalar(3.0, 0.0));
+  ASSERT_EQ(track(depth, residual), 1U);
+  for (const cv::Rect& part : {cv::Rect(70, 30, 5, 5), region}) {
+    for (const float value : extremes<float>()) {
+      SCOPED_TRACE(value);
+      cv::Mat broken = depth.clone();
+      broken(part).setTo(static_cast<double>(value));
+      track(broken, residual);
+      broken = residual.clone();
+      broken(part).setTo(cv::Scalar(static_cast<double>(value), 0.0));
+      track(depth, broken);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace radar_dot
