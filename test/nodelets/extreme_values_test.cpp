@@ -45,7 +45,7 @@ void forEachExtreme(const Message& good, const Fields& fields_of, const std::fun
   ASSERT_GT(count, 0U);
   for (std::size_t field = 0; field < count; ++field) {
     for (const Number value : extremes<Number>()) {
-      SCOPED_TRACE("field " + std::to_string(field) + ": " + std::to_string(value));
+      SCOPED_TRACE(testing::Message() << "field " << field << ": " << value);
       Message message = good;
       *fields_of(message)[field] = value;
       use(message);
@@ -127,7 +127,7 @@ TEST(ExtremeValues, OfReturnsLeaveTheVelocityAsItIs) {
     const std::vector<float> good = returnsOf(vectors);
     for (std::size_t field = 0; field < names.size(); ++field) {
       for (const float value : extremes<float>()) {
-        SCOPED_TRACE(names[field] + ": " + std::to_string(value));
+        SCOPED_TRACE(testing::Message() << names[field] << ": " << value);
         std::vector<float> one = good;
         one[7 * names.size() + field] = value;
         expectVelocity(names, good, one);
@@ -141,7 +141,7 @@ TEST(ExtremeValues, OfAllReturnsMakeNothingThatIsNotFinite) {
   const std::vector<float> good = returnsOf(false);
   for (std::size_t field = 0; field < kPolarFields.size(); ++field) {
     for (const float value : extremes<float>()) {
-      SCOPED_TRACE(kPolarFields[field] + ": " + std::to_string(value));
+      SCOPED_TRACE(testing::Message() << kPolarFields[field] << ": " << value);
       std::vector<float> broken = good;
       for (std::size_t i = field; i < broken.size(); i += kPolarFields.size()) broken[i] = value;
       SweepEstimator estimator;
@@ -166,7 +166,7 @@ TEST(ExtremeValues, OfLabelledReturnsMakeNoObjectThatIsNotFinite) {
   const std::vector<float> good = {20.F, 1.F, 0.5F, 5.F, 20.2F, 1.1F, 0.5F, 5.F, 20.F, 1.2F, 0.4F, 5.1F};
   for (std::size_t field = 0; field < names.size(); ++field) {
     for (const float value : extremes<float>()) {
-      SCOPED_TRACE(names[field] + ": " + std::to_string(value));
+      SCOPED_TRACE(testing::Message() << names[field] << ": " << value);
       LabelledScans scans;
       ObjectTracker tracker;
       for (int i = 0; i < 12; ++i) {
@@ -372,7 +372,7 @@ TEST(ExtremeValues, OfPixelsStayWhereTheyAre) {
   for (const MotionScore score : {MotionScore::kPaper, MotionScore::kUncertainty}) {
     for (const auto& [name, spoil] : images) {
       for (const float value : extremes<float>()) {
-        SCOPED_TRACE(name + ": " + std::to_string(value));
+        SCOPED_TRACE(testing::Message() << name << ": " << value);
         MaskPair pair = pairOf();
         spoil(pair, static_cast<double>(value));
         expectMask(pair, score, patch);
