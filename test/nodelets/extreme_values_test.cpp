@@ -45,7 +45,7 @@ void forEachExtreme(const Message& good, const Fields& fields_of, const std::fun
   ASSERT_GT(count, 0U);
   for (std::size_t field = 0; field < count; ++field) {
     for (const Number value : extremes<Number>()) {
-      SCOPED_TRACE("field " + std::to_string(field) + ": " + std::to_string(value));
+      SCOPED_TRACE(testing::Message() << "field " << field << ": " << value);
       Message message = good;
       *fields_of(message)[field] = value;
       use(message);
@@ -127,7 +127,7 @@ TEST(ExtremeValues, OfReturnsLeaveTheVelocityAsItIs) {
     const std::vector<float> good = returnsOf(vectors);
     for (std::size_t field = 0; field < names.size(); ++field) {
       for (const float value : extremes<float>()) {
-        SCOPED_TRACE(names[field] + ": " + std::to_string(value));
+        SCOPED_TRACE(testing::Message() << names[field] << ": " << value);
         std::vector<float> one = good;
         one[7 * names.size() + field] = value;
         expectVelocity(names, good, one);
@@ -141,7 +141,7 @@ TEST(ExtremeValues, OfAllReturnsMakeNothingThatIsNotFinite) {
   const std::vector<float> good = returnsOf(false);
   for (std::size_t field = 0; field < kPolarFields.size(); ++field) {
     for (const float value : extremes<float>()) {
-      SCOPED_TRACE(kPolarFields[field] + ": " + std::to_string(value));
+      SCOPED_TRACE(testing::Message() << kPolarFields[field] << ": " << value);
       std::vector<float> broken = good;
       for (std::size_t i = field; i < broken.size(); i += kPolarFields.size()) broken[i] = value;
       SweepEstimator estimator;
@@ -166,7 +166,7 @@ TEST(ExtremeValues, OfLabelledReturnsMakeNoObjectThatIsNotFinite) {
   const std::vector<float> good = {20.F, 1.F, 0.5F, 5.F, 20.2F, 1.1F, 0.5F, 5.F, 20.F, 1.2F, 0.4F, 5.1F};
   for (std::size_t field = 0; field < names.size(); ++field) {
     for (const float value : extremes<float>()) {
-      SCOPED_TRACE(names[field] + ": " + std::to_string(value));
+      SCOPED_TRACE(testing::Message() << names[field] << ": " << value);
       LabelledScans scans;
       ObjectTracker tracker;
       for (int i = 0; i < 12; ++i) {
@@ -372,11 +372,44 @@ TEST(ExtremeValues, OfPixelsStayWhereTheyAre) {
   for (const MotionScore score : {MotionScore::kPaper, MotionScore::kUncertainty}) {
     for (const auto& [name, spoil] : images) {
       for (const float value : extremes<float>()) {
-        SCOPED_TRACE(name + ": " + std::to_string(value));
+        SCOPED_TRACE(testing::Message() << name << ": " << value);
         MaskPair pair = pairOf();
         spoil(pair, static_cast<double>(value));
         expectMask(pair, score, patch);
       }
+    }
+  }
+}
+
+// Of a region of the mask, in a part of it and in all of it.
+TEST(ExtremeValues, OfRegionsMakeNoObjectThatIsNotFinite) {
+  const cv::Rect region(70, 30, 20, 20);
+  const CameraIntrinsics camera = cameraOf(cameraInfo());
+  const Eigen::Isometry3d mount = pairOf().T_base_from_camera;
+  const auto track = [&](const cv::Mat& depth, const cv::Mat& residual) {
+    cv::Mat mask = cv::Mat::zeros(90, 160, CV_8UC1);
+    mask(region).setTo(255);
+    ObjectTracker tracker;
+    for (int i = 0; i < 10; ++i) {
+      tracker.update(0.1 * i, std::nullopt,
+                     detectObjects(0.1 * i, {}, regionsOfMask(mask, depth, residual, 0.1, camera, mount)),
+                     Eigen::Isometry3d::Identity());
+    }
+    for (const ObjectTrack& each : tracker.all())
+      EXPECT_TRUE(each.state.allFinite() && each.covariance.allFinite());
+    return tracker.all().size();
+  };
+  const cv::Mat depth(90, 160, CV_32FC1, cv::Scalar(20.0)), residual(90, 160, CV_32FC2, cv::Scalar(3.0, 0.0));
+  ASSERT_EQ(track(depth, residual), 1U);
+  for (const cv::Rect& part : {cv::Rect(70, 30, 5, 5), region}) {
+    for (const float value : extremes<float>()) {
+      SCOPED_TRACE(value);
+      cv::Mat broken = depth.clone();
+      broken(part).setTo(static_cast<double>(value));
+      track(broken, residual);
+      broken = residual.clone();
+      broken(part).setTo(cv::Scalar(static_cast<double>(value), 0.0));
+      track(depth, broken);
     }
   }
 }

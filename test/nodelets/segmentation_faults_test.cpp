@@ -365,6 +365,11 @@ TEST_F(SegmentationFaults, AnImageFrameThatIsNoOpticalOneIsRefused) {
   broadcaster.sendTransform(body);
   expectReported([](Frame& frame) { frame.flow.header.frame_id = "camera_body"; }, kVerdict,
                  "the z axis of 'camera_body' looks up");
+  body.child_frame_id = "beyond";
+  body.transform.translation.x = 1e300;
+  broadcaster.sendTransform(body);
+  expectReported([](Frame& frame) { frame.flow.header.frame_id = "beyond"; }, kVerdict,
+                 "is no mount on a vehicle");
 }
 
 TEST_F(SegmentationFaults, UnknownDepthGivesAnEmptyMask) {
