@@ -36,7 +36,11 @@ struct Street {
 
   Street();
   DepthInput depthInput(const CameraIntrinsics& camera) const {
-    return {{}, camera, T_base_from_camera, returns, {}};
+    DepthInput input;
+    input.camera = camera;
+    input.T_base_from_camera = T_base_from_camera;
+    input.radar_points = returns;
+    return input;
   }
 };
 
