@@ -199,6 +199,10 @@ TEST(PictureOf, RefusesBytesThatAreNoImage) {
   for (const int channels : {1, 3}) {
     expectRefusal([&] { decodedImageOf(message, channels); }, {"100 bytes"});
   }
+  // OpenCV's reader of these ended the process.
+  const std::string medical = std::string(128, '\0') + "DICM" + std::string(2, '\0');
+  message.data.assign(medical.begin(), medical.end());
+  expectRefusal([&] { decodedImageOf(message, 3); }, {"134 bytes", "JPEG, PNG"});
   for (const char* format : {"jpg", "png"}) {
     message = compressed(format, {1.0, 2.0, 3.0});
     message.data.resize(12);

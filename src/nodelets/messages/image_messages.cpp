@@ -11,6 +11,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
+#include <string_view>
 
 namespace radar_dot {
 namespace {
@@ -58,6 +59,17 @@ void expectEncoding(const sensor_msgs::Image& message, const std::string& encodi
 
 void expectSize(const sensor_msgs::Image& message, const std::string& what) {
   if (message.width == 0 || message.height == 0) throw std::invalid_argument(what + ": it is empty");
+}
+
+/// OpenCV tries its readers of medical and geographic images on anything else, and those end the process
+/// where the file is damaged.
+void expectPicture(const std::vector<std::uint8_t>& bytes, const std::string& what) {
+  const std::string_view begin(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  for (const std::string_view signature : {"\xff\xd8", "\x89PNG", "BM", "RIFF", "II*", "MM"})
+    if (begin.substr(0, signature.size()) == signature) return;
+  throw std::invalid_argument(
+      what + ": its " + std::to_string(bytes.size()) +
+      " bytes cannot be decoded: they begin like no JPEG, PNG, BMP, WebP or TIFF file");
 }
 
 /// A depth as it is: CV_32FC1 in m or CV_16UC1 in mm.
@@ -117,6 +129,7 @@ DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message) {
 
 DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int channels) {
   const std::string what = "compressed image of format '" + message.format + "'";
+  expectPicture(message.data, what);
   DecodedImage picture;
   picture.header = message.header;
   if (!message.data.empty()) {
