@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <boost/weak_ptr.hpp>
 #include <cmath>
@@ -202,7 +203,10 @@ TEST(PictureOf, RefusesBytesThatAreNoImage) {
   // OpenCV's reader of these ended the process.
   const std::string medical = std::string(128, '\0') + "DICM" + std::string(2, '\0');
   message.data.assign(medical.begin(), medical.end());
-  expectRefusal([&] { decodedImageOf(message, 3); }, {"134 bytes", "JPEG, PNG"});
+  for (const char* begin : {"", "\x89PNG", "\xff\xd8", "RIFF", "II*+"}) {
+    std::copy_n(begin, std::strlen(begin), message.data.begin());
+    expectRefusal([&] { decodedImageOf(message, 3); }, {"134 bytes", "JPEG, PNG"});
+  }
   for (const char* format : {"jpg", "png"}) {
     message = compressed(format, {1.0, 2.0, 3.0});
     message.data.resize(12);

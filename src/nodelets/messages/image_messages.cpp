@@ -64,12 +64,13 @@ void expectSize(const sensor_msgs::Image& message, const std::string& what) {
 /// OpenCV tries its readers of medical and geographic images on anything else, and those end the process
 /// where the file is damaged.
 void expectPicture(const std::vector<std::uint8_t>& bytes, const std::string& what) {
+  using namespace std::string_view_literals;
   const std::string_view begin(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  for (const std::string_view signature : {"\xff\xd8", "\x89PNG", "BM", "RIFF", "II*", "MM"})
+  for (const std::string_view signature :
+       {"\xff\xd8\xff"sv, "\x89PNG\r\n\x1a\n"sv, "BM"sv, "II*\0"sv, "MM\0*"sv})
     if (begin.substr(0, signature.size()) == signature) return;
-  throw std::invalid_argument(
-      what + ": its " + std::to_string(bytes.size()) +
-      " bytes cannot be decoded: they begin like no JPEG, PNG, BMP, WebP or TIFF file");
+  throw std::invalid_argument(what + ": its " + std::to_string(bytes.size()) +
+                              " bytes cannot be decoded: they begin like no JPEG, PNG, BMP or TIFF file");
 }
 
 /// A depth as it is: CV_32FC1 in m or CV_16UC1 in mm.
