@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <boost/weak_ptr.hpp>
 #include <cmath>
@@ -257,6 +258,13 @@ TEST(PictureOf, RefusesBytesThatAreNoImage) {
   message.data.assign(100, 0x5A);
   for (const int channels : {1, 3}) {
     expectRefusal([&] { decodedImageOf(message, channels); }, {"100 bytes"});
+  }
+  // OpenCV's reader of these ended the process.
+  const std::string medical = std::string(128, '\0') + "DICM" + std::string(2, '\0');
+  message.data.assign(medical.begin(), medical.end());
+  for (const char* begin : {"", "\x89PNG", "\xff\xd8", "RIFF", "II*+"}) {
+    std::copy_n(begin, std::strlen(begin), message.data.begin());
+    expectRefusal([&] { decodedImageOf(message, 3); }, {"134 bytes", "JPEG, PNG"});
   }
   for (const char* format : {"jpg", "png"}) {
     message = compressed(format, {1.0, 2.0, 3.0});

@@ -102,6 +102,7 @@ TEST(MaskPipeline, FollowsDepthWhereNothingSpeaksForAMover) {
   MaskOutcome outcome;
   for (int image = 0; image < 8; ++image) {
     MaskPair pair = Drive::pair(image, image + 1);
+    pair.motion_uncertainty = {1e-3, 1e-3, 1e-3, 1e-5, 1e-5};
     pair.depth = 2.0 * pair.depth;
     pair.depth_std = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(0.5));
     CloudPoint mover;
