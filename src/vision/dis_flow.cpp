@@ -53,7 +53,7 @@ void requireGrid(const cv::Size& grid) {
 class DisFlow : public GridFlow {
  public:
   explicit DisFlow(const OpticalFlowParams& params)
-      : GridFlow(params, Images::kGrey), dis_(makeDis(params.preset)) {}
+      : GridFlow(params, Images::kGrey), dis_(makeDis(params.preset)), dis_back_(makeDis(params.preset)) {}
   bool takesGreyGrid() const override { return true; }
 
  protected:
@@ -68,9 +68,15 @@ class DisFlow : public GridFlow {
     dis_->calc(first, second, flow);
     return flow;
   }
+  cv::Mat runBack(const cv::Mat& second, const cv::Mat& first) override {
+    cv::Mat flow;
+    dis_back_->calc(second, first, flow);
+    return flow;
+  }
+  bool runsBothWaysAtOnce() const override { return true; }
 
  private:
-  cv::Ptr<cv::DISOpticalFlow> dis_;
+  cv::Ptr<cv::DISOpticalFlow> dis_, dis_back_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <future>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
@@ -98,6 +99,22 @@ cv::Mat reversed(const cv::Mat& flow) {
 
 GridFlow::GridFlow(OpticalFlowParams params, Images images) : params_(std::move(params)), images_(images) {}
 
+/// Motion that the start value already explains is taken out of the second image; what remains is small.
+template <typename Run>
+cv::Mat GridFlow::runFrom(const cv::Mat& start, const cv::Mat& first, const cv::Mat& second, const Run& run) {
+  if (start.empty()) return run(first, second);
+  cv::Mat flow = run(first, warpedBack(second, start));
+  // Where the rest leads, the start value was the one of the pixel it leads to.
+  for (int row = 0; row < flow.rows; ++row) {
+    auto* rest = flow.ptr<cv::Vec2f>(row);
+    for (int column = 0; column < flow.cols; ++column) {
+      rest[column] += flowAt(start, static_cast<float>(column) + rest[column][0],
+                             static_cast<float>(row) + rest[column][1]);
+    }
+  }
+  return flow;
+}
+
 FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const cv::Mat& expected) {
   requireImage(first, "first");
   requireImage(second, "second");
@@ -110,17 +127,35 @@ FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const c
   const cv::Mat first_on_grid = prepared(first, grid);
   const cv::Mat second_on_grid = prepared(second, grid);
   const cv::Mat start = startValue(grid, expected);
-  const cv::Mat there = runFrom(start, first_on_grid, second_on_grid);
   const cv::Size wanted = workingGrid(first.size(), params_.working_width);
+  cv::Mat there;
   FlowField field;
-  field.flow = flowOn(wanted, there);
-  if (params_.forward_backward) {
+  const auto go = [&] {
+    there = runFrom(start, first_on_grid, second_on_grid,
+                    [this](const cv::Mat& from, const cv::Mat& to) { return run(from, to); });
+    field.flow = flowOn(wanted, there);
+  };
+  const auto come = [&] {
     const auto begin = std::chrono::steady_clock::now();
     const cv::Mat start_back = start.empty() ? cv::Mat() : fillUnknown(reversed(start));
-    field.backward = flowOn(wanted, runFrom(start_back, second_on_grid, first_on_grid));
+    field.backward =
+        flowOn(wanted, runFrom(start_back, second_on_grid, first_on_grid,
+                               [this](const cv::Mat& from, const cv::Mat& to) { return runBack(from, to); }));
+    field.backward_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  if (!params_.forward_backward) {
+    go();
+  } else if (runsBothWaysAtOnce()) {
+    std::future<void> back = std::async(std::launch::async, come);
+    go();
+    back.get();
+  } else {
+    go();
+    come();
+  }
+  if (params_.forward_backward) {
     closeForwardBackward(field, field.backward, params_.forward_backward_absolute,
                          params_.forward_backward_relative);
-    field.backward_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
   if (params_.initialisation == FlowStart::kTemporal) previous_ = there.clone();
   return field;
@@ -142,21 +177,6 @@ cv::Mat GridFlow::startValue(const cv::Size& grid, const cv::Mat& expected) cons
   if (expected.type() != CV_32FC2)
     throw std::invalid_argument("optical flow: the expected flow must be CV_32FC2");
   return flowOn(grid, fillUnknown(expected));
-}
-
-/// Motion that the start value already explains is taken out of the second image; what remains is small.
-cv::Mat GridFlow::runFrom(const cv::Mat& start, const cv::Mat& first, const cv::Mat& second) {
-  if (start.empty()) return run(first, second);
-  cv::Mat flow = run(first, warpedBack(second, start));
-  // Where the rest leads, the start value was the one of the pixel it leads to.
-  for (int row = 0; row < flow.rows; ++row) {
-    auto* rest = flow.ptr<cv::Vec2f>(row);
-    for (int column = 0; column < flow.cols; ++column) {
-      rest[column] += flowAt(start, static_cast<float>(column) + rest[column][0],
-                             static_cast<float>(row) + rest[column][1]);
-    }
-  }
-  return flow;
 }
 
 }  // namespace radar_dot

@@ -26,13 +26,17 @@ class GridFlow : public OpticalFlow {
   virtual cv::Size gridOf(const cv::Size& image) const = 0;
   /// Flow from one image to the other, both of the size of the grid: CV_32FC2, px of the grid.
   virtual cv::Mat run(const cv::Mat& first, const cv::Mat& second) = 0;
+  /// The same for the way back. Where it may be called while run() works, two cores share a pair.
+  virtual cv::Mat runBack(const cv::Mat& second, const cv::Mat& first) { return run(second, first); }
+  virtual bool runsBothWaysAtOnce() const { return false; }
 
   const OpticalFlowParams& params() const noexcept { return params_; }
 
  private:
   cv::Mat prepared(const cv::Mat& image, const cv::Size& grid) const;
   cv::Mat startValue(const cv::Size& grid, const cv::Mat& expected) const;
-  cv::Mat runFrom(const cv::Mat& start, const cv::Mat& first, const cv::Mat& second);
+  template <typename Run>
+  static cv::Mat runFrom(const cv::Mat& start, const cv::Mat& first, const cv::Mat& second, const Run& run);
 
   OpticalFlowParams params_;
   Images images_;
