@@ -56,7 +56,9 @@ void DepthNodelet::setUp() {
   const auto external = [this] { return config_.isExternal(); };
   const auto estimated = [this] { return !config_.isExternal(); };
   listenToImages(3, [this](LazyImage picture) { onImage(std::move(picture)); }, {true, estimated, {}});
-  camera_input_ = &listenToCamera(camera_, {true, estimated, {}});
+  camera_input_ = &listenToCamera(camera_, {true, estimated, {}}, [this] {
+    if (early_) onImage(*std::exchange(early_, std::nullopt));
+  });
   listen<sensor_msgs::Image>("depth/input", 2,
                              [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); },
                              {true, external, {}});
@@ -97,6 +99,7 @@ void DepthNodelet::apply(const DepthConfig& config) {
 }
 
 void DepthNodelet::clearHistory() {
+  early_.reset();
   radar_clouds_->clear();
   lidar_clouds_->clear();
   motion_->forget();
@@ -106,7 +109,13 @@ void DepthNodelet::onImage(LazyImage picture) {
   const ros::WallTime start = ProcessClock::now();
   const std_msgs::Header header = picture.header();
   if (!estimator_) throw std::invalid_argument("no depth: " + server_->error());
-  if (!camera_) throw std::invalid_argument("nothing on '" + camera_input_->topic() + "' yet");
+  if (!camera_) {
+    // That of the first image may come right after it.
+    const bool may_come = !early_;
+    early_ = std::move(picture);
+    if (may_come) return;
+    throw std::invalid_argument("nothing on '" + camera_input_->topic() + "' yet");
+  }
   const CameraIntrinsics camera = cameraOf(*camera_);
   DepthInput input;
   std::string missing;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,7 @@ class DepthNodelet : public ConfiguredNodelet<DepthConfig> {
   std::unique_ptr<EgoMotion> motion_;
   std::unique_ptr<RecentClouds> radar_clouds_, lidar_clouds_;
   sensor_msgs::CameraInfoConstPtr camera_;
+  std::optional<LazyImage> early_;  // came before any camera_info
 
   InputMonitor *camera_input_ = nullptr, *lidar_input_ = nullptr;
   ros::Publisher publisher_, uncertainty_publisher_;

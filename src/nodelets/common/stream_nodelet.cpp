@@ -121,16 +121,19 @@ InputMonitor& StreamNodelet::listenToTwists(EgoMotion& motion, InputOptions opti
       std::move(options));
 }
 
-InputMonitor& StreamNodelet::listenToCamera(sensor_msgs::CameraInfoConstPtr& camera, InputOptions options) {
+InputMonitor& StreamNodelet::listenToCamera(sensor_msgs::CameraInfoConstPtr& camera, InputOptions options,
+                                            std::function<void()> first) {
   auto monitor = std::make_unique<InputMonitor>("camera_info", expectation_, options.required);
   InputMonitor* const input = monitor.get();
   return *listenAs<sensor_msgs::CameraInfo>(
       "input camera_info", std::move(monitor), "camera_info", 2,
-      [this, &camera, input](const sensor_msgs::CameraInfoConstPtr& message) {
+      [this, &camera, input, first = std::move(first)](const sensor_msgs::CameraInfoConstPtr& message) {
+        const bool is_first = !camera;
         camera = message;
         const std::string doubt = distortionDoubt(*message);
         input->doubt(doubt);
         if (!doubt.empty()) warn("camera", "camera_info on '" + input->topic() + "': " + doubt);
+        if (is_first && first) first();
       },
       std::move(options), Stamps::kAny);
 }

@@ -106,8 +106,10 @@ class StreamNodelet : public nodelet::Nodelet {
 
   /// `ego/twist` into `motion`, `camera_info` into `camera`, clouds of any number of sensors into `clouds`:
   /// what several nodelets listen to.
+  /// @param first  called with the first camera_info
   InputMonitor& listenToTwists(EgoMotion& motion, InputOptions options = {});
-  InputMonitor& listenToCamera(sensor_msgs::CameraInfoConstPtr& camera, InputOptions options = {});
+  InputMonitor& listenToCamera(sensor_msgs::CameraInfoConstPtr& camera, InputOptions options = {},
+                               std::function<void()> first = {});
   InputMonitor& listenToClouds(const std::string& topic, RecentClouds& clouds, InputOptions options = {});
   /// `image` as raw messages, or as compressed ones of `image/compressed`, by the private parameter
   /// image_transport (raw, compressed).
