@@ -46,11 +46,12 @@ std::string formatOf(const std::vector<std::uint8_t>& image, const fs::path& fil
   const auto begins = [&image](std::initializer_list<std::uint8_t> bytes) {
     return image.size() > bytes.size() && std::equal(bytes.begin(), bytes.end(), image.begin());
   };
+  const bool is_jpeg = begins({0xff, 0xd8, 0xff});
+  if (!image.empty() && !is_jpeg && !begins({0x89, 'P', 'N', 'G'}))
+    throw dataset::DatasetError(file.string() + ": is neither a JPEG nor a PNG image");
   if (const std::string fault = imageFault(image); !fault.empty())
     throw dataset::DatasetError(file.string() + ": is no whole image: " + fault);
-  if (begins({0xff, 0xd8, 0xff})) return "jpeg";
-  if (begins({0x89, 'P', 'N', 'G'})) return "png";
-  throw dataset::DatasetError(file.string() + ": is neither a JPEG nor a PNG image");
+  return is_jpeg ? "jpeg" : "png";
 }
 
 dataset::Modality modalityOf(const Tables& tables, const dataset::SampleData& row) {

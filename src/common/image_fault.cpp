@@ -6,6 +6,7 @@
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
+#include <iterator>
 #include <string_view>
 // They need <cstdio>, and the second one the first.
 #include <jpeglib.h>
@@ -73,15 +74,22 @@ std::string jpegFault(const std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 std::string imageFault(const std::vector<std::uint8_t>& bytes) {
+  using namespace std::string_view_literals;
   if (bytes.empty()) return "there are no bytes";
   const auto begins = [&bytes](std::string_view with) {
     return bytes.size() >= with.size() &&
            std::equal(with.begin(), with.end(), bytes.begin(),
                       [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
   };
-  if (begins("\xff\xd8")) return jpegFault(bytes);
+  // OpenCV tries its readers of medical and geographic images on anything else, and those end the process
+  // where the file is damaged.
+  constexpr std::string_view kKnown[] = {"\xff\xd8\xff"sv, "\x89PNG\r\n\x1a\n"sv, "BM"sv, "II*\0"sv,
+                                         "MM\0*"sv};
+  if (std::none_of(std::begin(kKnown), std::end(kKnown), begins))
+    return "they begin like no JPEG, PNG, BMP or TIFF file";
+  if (begins(kKnown[0])) return jpegFault(bytes);
   constexpr std::string_view kLastChunk = "IEND";
-  const bool is_cut = begins("\x89PNG") && std::find_end(bytes.begin(), bytes.end(), kLastChunk.begin(),
+  const bool is_cut = begins(kKnown[1]) && std::find_end(bytes.begin(), bytes.end(), kLastChunk.begin(),
                                                          kLastChunk.end()) == bytes.end();
   return is_cut ? "PNG file ends early" : "";
 }

@@ -84,6 +84,7 @@ TEST(ImageFault, ImagesThatEndEarlyHaveOne) {
   png.resize(png.size() - 12);
   EXPECT_NE(imageFault(png), "");
   EXPECT_NE(imageFault({}), "");
+  EXPECT_NE(imageFault(Bytes(200, 0x5A)), "") << "no image";
 }
 
 TEST(ImageFault, ImagesThatLackAPartOfTheirMiddleHaveOne) {

@@ -94,20 +94,27 @@ void expectFinite(const EgoVelocityResult& result) {
   EXPECT_GE(result.covariance.diagonal().minCoeff(), 0.0);
 }
 
+/// One scan of a cloud, as it is read. @param returns  those of the scan, which refers to them
+std::vector<RadarScan> scansOf(const std::vector<std::string>& names, const std::vector<float>& values,
+                               double time, std::vector<DopplerReturn>& returns) {
+  const sensor_msgs::PointCloud2 cloud = test::floatCloud(names, values);
+  std::vector<PointField> fields;
+  DopplerExtractor().extract(viewOf(cloud, fields), returns);
+  std::vector<RadarScan> scans(1);
+  scans[0].returns = returns;
+  scans[0].time = time;
+  return scans;
+}
+
 /// One sweep with broken numbers between good ones.
 void expectVelocity(const std::vector<std::string>& names, const std::vector<float>& good,
                     const std::vector<float>& broken) {
   SweepEstimator estimator;
   VelocityIntegrator integrator;
   for (int sweep = 0; sweep < 3; ++sweep) {
-    const sensor_msgs::PointCloud2 cloud = test::floatCloud(names, sweep == 1 ? broken : good);
-    std::vector<PointField> fields;
     std::vector<DopplerReturn> returns;
-    DopplerExtractor().extract(viewOf(cloud, fields), returns);
-    std::vector<RadarScan> scans(1);
-    scans[0].returns = returns;
+    std::vector<RadarScan> scans = scansOf(names, sweep == 1 ? broken : good, 0.1 * sweep, returns);
     scans[0].T_base_from_sensor.translation().x() = 3.5;
-    scans[0].time = 0.1 * sweep;
     const SweepEstimate estimate = estimator.estimate(scans, scans[0].time);
     expectFinite(estimate.single);
     const std::optional<EgoVelocityResult> output = estimate.output();
@@ -146,13 +153,8 @@ TEST(ExtremeValues, OfAllReturnsMakeNothingThatIsNotFinite) {
       for (std::size_t i = field; i < broken.size(); i += kPolarFields.size()) broken[i] = value;
       SweepEstimator estimator;
       for (int sweep = 0; sweep < 3; ++sweep) {
-        const sensor_msgs::PointCloud2 cloud = test::floatCloud(kPolarFields, sweep == 1 ? broken : good);
-        std::vector<PointField> fields;
         std::vector<DopplerReturn> returns;
-        DopplerExtractor().extract(viewOf(cloud, fields), returns);
-        std::vector<RadarScan> scans(1);
-        scans[0].returns = returns;
-        scans[0].time = 0.1 * sweep;
+        auto scans = scansOf(kPolarFields, sweep == 1 ? broken : good, 0.1 * sweep, returns);
         const SweepEstimate estimate = estimator.estimate(scans, scans[0].time);
         expectFinite(estimate.single);
         if (const std::optional<EgoVelocityResult> output = estimate.output()) expectFinite(*output);
