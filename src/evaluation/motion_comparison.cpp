@@ -111,6 +111,40 @@ std::vector<StampedPose> startingAtTruth(const std::vector<StampedPose>& poses, 
   return path;
 }
 
+/// Linear between two twists, which are in the order of time; none outside, and in gaps.
+std::optional<StampedTwist> interpolated(const std::vector<StampedTwist>& twists, double time,
+                                         double max_gap) {
+  const auto after = std::lower_bound(twists.begin(), twists.end(), time,
+                                      [](const StampedTwist& twist, double t) { return twist.time < t; });
+  if (after == twists.end()) return std::nullopt;
+  if (after->time == time) return *after;
+  if (after == twists.begin() || after->time - std::prev(after)->time > max_gap) return std::nullopt;
+  const StampedTwist& before = *std::prev(after);
+  const double share = (time - before.time) / (after->time - before.time);
+  StampedTwist twist;
+  twist.time = time;
+  twist.linear = (1.0 - share) * before.linear + share * after->linear;
+  twist.angular = (1.0 - share) * before.angular + share * after->angular;
+  twist.covariance = before.covariance.cwiseMax(after->covariance);
+  return twist;
+}
+
+/// What a vehicle knows at a time: the latest twist, and how it has changed over the interval before.
+std::optional<StampedTwist> latestBroughtTo(const std::vector<StampedTwist>& twists, double time,
+                                            const ComparisonOptions& options) {
+  const auto after = std::upper_bound(twists.begin(), twists.end(), time,
+                                      [](double t, const StampedTwist& twist) { return t < twist.time; });
+  if (after == twists.begin() || time - std::prev(after)->time > options.max_gap) return std::nullopt;
+  StampedTwist latest = *std::prev(after);
+  if (const auto earlier = interpolated(twists, latest.time - options.interval, options.max_gap)) {
+    const double ratio = (time - latest.time) / (latest.time - earlier->time);
+    latest.linear += ratio * (latest.linear - earlier->linear);
+    latest.angular += ratio * (latest.angular - earlier->angular);
+  }
+  latest.time = time;
+  return latest;
+}
+
 void addErrors(const StampedTwist& estimate, const StampedTwist& reference, MotionReport& report) {
   const std::array<ComponentErrors*, 3> components = {&report.vx, &report.vy, &report.yaw_rate};
   std::vector<Eigen::Index> known;
@@ -241,19 +275,7 @@ std::optional<StampedTwist> ReferenceMotion::at(double time) const {
     twist.angular.z() = track_->meanYawRate(begin, end);
     return twist;
   }
-  const auto after = std::lower_bound(twists_.begin(), twists_.end(), time,
-                                      [](const StampedTwist& twist, double t) { return twist.time < t; });
-  if (after == twists_.end()) return std::nullopt;
-  if (after->time == time) return *after;
-  if (after == twists_.begin() || after->time - std::prev(after)->time > max_gap_) return std::nullopt;
-  const StampedTwist& before = *std::prev(after);
-  const double share = (time - before.time) / (after->time - before.time);
-  StampedTwist twist;
-  twist.time = time;
-  twist.linear = (1.0 - share) * before.linear + share * after->linear;
-  twist.angular = (1.0 - share) * before.angular + share * after->angular;
-  twist.covariance = before.covariance.cwiseMax(after->covariance);
-  return twist;
+  return interpolated(twists_, time, max_gap_);
 }
 
 TimeOffset findTimeOffset(const std::vector<StampedTwist>& estimate, const ReferenceMotion& reference,
@@ -384,7 +406,8 @@ void PathErrors::describe(Figures& figures) {
 }
 
 MotionReport compareMotion(const RecordedMotion& estimate, const RecordedMotion& odometry,
-                           const RecordedMotion& reference, const ComparisonOptions& options) {
+                           const RecordedMotion& reference, const ComparisonOptions& options,
+                           const std::vector<double>& instants) {
   const ReferenceMotion truth(reference, options);
   const auto shifted = [](auto samples, double offset) {
     for (auto& sample : samples) sample.time += offset;
@@ -401,7 +424,10 @@ MotionReport compareMotion(const RecordedMotion& estimate, const RecordedMotion&
     report.applied_offset = report.time_offset.offset;
     twists = shifted(estimate.twists, report.applied_offset);
   }
-  for (const StampedTwist& twist : twists) {
+  std::vector<StampedTwist> compared = instants.empty() ? twists : std::vector<StampedTwist>();
+  for (const double instant : instants)
+    if (const auto twist = latestBroughtTo(twists, instant, options)) compared.push_back(*twist);
+  for (const StampedTwist& twist : compared) {
     const std::optional<StampedTwist> actual = truth.at(twist.time);
     ++(actual ? report.compared : report.outside);
     if (actual) addErrors(twist, *actual, report);

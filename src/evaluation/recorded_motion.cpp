@@ -243,6 +243,12 @@ void takePoses(const Transforms& transforms, const std::pair<std::string, std::s
                                  reference.topic, transforms.text()));
 }
 
+std::vector<double> middlesOf(const std::vector<double>& times) {
+  std::vector<double> middles;
+  for (std::size_t i = 1; i < times.size(); ++i) middles.push_back(0.5 * (times[i - 1] + times[i]));
+  return middles;
+}
+
 /// Topics that are there by default are no must.
 bool isWanted(const bag::BagInput& input, const std::string& topic, const std::string& by_default) {
   return !topic.empty() && (topic != by_default || input.topics().count(topic) > 0);
@@ -403,6 +409,9 @@ void RecordingOptions::describe(FieldList& fields) {
              "Odometry, TwistStamped, TwistWithCovarianceStamped or NavSatFix; or tf:FIXED_FRAME:FRAME");
   fields.add("estimate_frame", estimate_frame, "Frame of the estimated velocity; empty: as its messages say");
   fields.add("reference_frame", reference_frame, "Frame of the reference; empty: as its messages say");
+  fields.add("keyframes", keyframes,
+             "Compare velocities once between every two messages of this topic, at their middle, e.g. "
+             "/ground_truth/boxes; empty: at every estimate");
   fields.add("masks", masks, "Estimated masks: Image; empty: none");
   fields.add("mask_truth", mask_truth, "True masks: CompressedImage");
   fields.add("objects", objects, "Tracked objects: MovingObjects; empty: none");
@@ -434,13 +443,20 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
     masks = checkedTopic(input, options, options.masks, {kImage});
     mask_truth = checkedTopic(input, options, options.mask_truth, {kCompressed});
   }
+  std::string keyframes;
+  std::vector<double> keyframe_times;
+  if (!options.keyframes.empty()) {
+    keyframes = "/" + withoutSlash(options.keyframes);
+    if (input.topics().count(keyframes) == 0)
+      throw InvalidParameter({"keyframes"}, "keyframes: " + keyframes + " is not in the recording");
+  }
   std::string no_objects;
   RecordedObjects objects(objectTopics(input, options, warn, no_objects));
 
   Transforms transforms;
   MaskComparison mask_comparison;
   std::vector<std::string> topics = {"/tf", "/tf_static", twist.topic};
-  for (const std::string& topic : {odometry.topic, reference.topic, masks, mask_truth})
+  for (const std::string& topic : {odometry.topic, reference.topic, masks, mask_truth, keyframes})
     if (!topic.empty()) topics.push_back(topic);
   topics.insert(topics.end(), objects.topics().begin(), objects.topics().end());
   input.read(
@@ -450,6 +466,7 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
         if (topic == "/tf" || topic == "/tf_static") transforms.add(message);
         for (Stream* stream : {&twist, &odometry, &reference})
           if (topic == stream->topic) stream->add(message);
+        if (topic == keyframes) keyframe_times.push_back(message.getTime().toSec());
         if (topic == masks) mask_comparison.addMask(*message.instantiate<sensor_msgs::Image>());
         if (topic == mask_truth)
           mask_comparison.addTruth(*message.instantiate<sensor_msgs::CompressedImage>());
@@ -459,7 +476,8 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
 
   if (tf_frames) takePoses(transforms, *tf_frames, reference);
   prepare(twist, odometry, reference, options, transforms, warn);
-  MotionReport report = compareMotion(twist.motion, odometry.motion, reference.motion, options.comparison);
+  MotionReport report = compareMotion(twist.motion, odometry.motion, reference.motion, options.comparison,
+                                      middlesOf(keyframe_times));
   if (mask_comparison.masks() > 0) {
     report.masks = mask_comparison.report();
     report.masks_without_truth = mask_comparison.masks() - report.masks->frames;

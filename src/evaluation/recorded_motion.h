@@ -20,6 +20,7 @@ inline constexpr char kImuType[] = "sensor_msgs/Imu";
 struct RecordingOptions {
   std::string twist = "/ego/twist", odometry = "/odom", reference;
   std::string estimate_frame, reference_frame;
+  std::string keyframes;
   std::string masks = "/dynamic/mask", mask_truth = "/ground_truth/dynamic_mask/compressed";
   std::string objects = "/dynamic/objects", object_truth = "/ground_truth/boxes";
   std::string static_returns = "/radar/static", dynamic_returns = "/radar/dynamic";

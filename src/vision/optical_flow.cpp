@@ -14,6 +14,7 @@
 
 #include "backend_registry.h"
 #include "dis_flow.h"
+#include "parallel_rows.h"
 #include "vectorised.h"
 #include "warp.h"
 
@@ -80,9 +81,9 @@ void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double ab
     throw std::invalid_argument("forward and backward flow have different sizes");
   forward.valid.create(backward.size(), CV_8UC1);
   forward.fb_error.create(backward.size(), CV_32FC1);
-  std::vector<cv::Vec2f> back(static_cast<std::size_t>(backward.cols));
-  for (int row = 0; row < backward.rows; ++row) {
+  parallelRows(backward.rows, [&](int row) {
     const auto* flow = forward.flow.ptr<cv::Vec2f>(row);
+    std::vector<cv::Vec2f> back(static_cast<std::size_t>(backward.cols));
     for (int column = 0; column < backward.cols; ++column) {
       back[static_cast<std::size_t>(column)] = flowAt(backward, static_cast<float>(column) + flow[column][0],
                                                       static_cast<float>(row) + flow[column][1]);
@@ -90,7 +91,7 @@ void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double ab
     closeRow({forward.flow.ptr<float>(row), back.front().val, forward.fb_error.ptr<float>(row),
               forward.valid.ptr<std::uint8_t>(row)},
              row, backward.size(), static_cast<float>(absolute), static_cast<float>(relative));
-  }
+  });
 }
 
 FlowField backwardField(const FlowField& field, const OpticalFlowParams& params) {

@@ -301,6 +301,30 @@ TEST_F(RecordedMotionTest, VelocityOfPoses) {
   EXPECT_NEAR(figure(evaluate(), "vx/bias"), 0.2, 1e-6);
 }
 
+// Accelerating by 2 m/s^2; the estimate is 0.1 m/s too fast in every second half of half a second.
+TEST_F(RecordedMotionTest, OnceBetweenKeyframes) {
+  options_.keyframes = "/boxes";
+  for (int i = 0; i <= 200; ++i) {
+    const double time = 0.02 * i;
+    truth(time, 5.0 + 2.0 * time, 0.0, 0.0);
+    if (i % 25 == 0) write("/boxes", time, sensor_msgs::Image(), "map");
+    if (i % 3 != 0) continue;
+    const bool is_late = std::fmod(time, 0.5) > 0.26;
+    estimate(time, 5.0 + 2.0 * time + (is_late ? 0.1 : 0.0), 0.0, 0.0);
+  }
+  options_.comparison.interval = 0.06;
+  const MotionReport report = evaluate();
+  EXPECT_EQ(figure(report, "compared"), 8);
+  EXPECT_NEAR(figure(report, "vx/mae"), 0.0, 1e-6);
+}
+
+TEST_F(RecordedMotionTest, SaysThatThereAreNoKeyframes) {
+  options_.keyframes = "/boxes";
+  truth(0.0, 5.0, 0.0, 0.0);
+  estimate(0.0, 5.0, 0.0, 0.0);
+  EXPECT_THAT(refusal(), HasSubstr("keyframes: /boxes is not in the recording"));
+}
+
 TEST_F(RecordedMotionTest, CountsWhatIsWrong) {
   for (int i = 0; i <= 100; ++i) truth(0.1 * i, i == 40 ? std::nan("") : 10.0, 0.0, 0.0);
   for (int i = 0; i < 10; ++i) estimate(0.1 * i, 10.0, 0.0, 0.0);

@@ -138,9 +138,12 @@ struct MotionReport {
 };
 
 /// Compares an estimate with a reference; `odometry` may have no poses.
+/// @param instants  velocities are compared at these times (s), each by the latest estimate before it,
+/// brought to it; empty: at every estimate. Paths and the time offset are those of all estimates in any case.
 /// @throws std::runtime_error where no estimate has a reference at its time
 MotionReport compareMotion(const RecordedMotion& estimate, const RecordedMotion& odometry,
-                           const RecordedMotion& reference, const ComparisonOptions& options);
+                           const RecordedMotion& reference, const ComparisonOptions& options,
+                           const std::vector<double>& instants = {});
 
 /// Tables for a terminal.
 std::string formatTable(const MotionReport& report);
