@@ -138,6 +138,7 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
   // The forward-backward error is noise to the score by uncertainty, and no reason to leave a pixel out.
   if (params_.byUncertainty() && !pair.flow.fb_error.empty()) {
     input.fb_error = pair.flow.fb_error;
+    input.texture_std = pair.flow.texture_std;
   } else {
     input.flow_valid = pair.flow.valid;
   }
@@ -147,6 +148,7 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
     input.depth.setTo(kUnknown, ignored_on_grid_);
   }
   input.next_depth = pair.next_depth;
+  if (params_.refine_ground) input.ground = GroundPlane{pair.T_base_from_camera, params_.ground};
   if (params_.usesDepthUncertainty()) input.depth_std = pair.depth_std;
   if (params_.byUncertainty() || params_.refine) {
     const double dt = std::abs(pair.second_time - pair.first_time);
@@ -181,10 +183,9 @@ const cv::Mat& MaskPipeline::ignoredOn(const cv::Size& grid) {
 }
 
 /// Motion, its covariance, and where depth shows the ground, both depths, by the image.
-void MaskPipeline::refine(const MaskPair& pair, MotionInput& input) const {
-  std::optional<GroundPlane> ground;
-  if (params_.refine_ground) ground = GroundPlane{pair.T_base_from_camera, params_.ground};
-  refineInput(input, ground, params_.motion.max_depth, params_.motion.uncertainty.noise, params_.refinement);
+void MaskPipeline::refine(MotionInput& input) const {
+  refineInput(input, input.ground, params_.motion.max_depth, params_.motion.uncertainty.noise,
+              params_.refinement);
 }
 
 /// From the first image of a pair to that of the previous one; null where there is none.
@@ -244,7 +245,7 @@ void MaskPipeline::remember(const MaskPair& pair, const MaskOutcome& outcome) {
   previous_ = Previous{pair.first_time, pair.second_time, outcome.input, logOdds(outcome.result)};
   MotionInput& input = previous_->input;
   static_cast<MotionEvidence&>(input) = {};
-  input.flow = input.flow_valid = input.fb_error = input.depth_std = cv::Mat();
+  input.flow = input.flow_valid = input.fb_error = input.texture_std = input.depth_std = cv::Mat();
   input.depth = input.depth.clone();
   input.next_depth = input.next_depth.clone();
   const auto is_used = [&pair](const Backward& backward) { return backward.from <= pair.first_time; };
@@ -258,7 +259,7 @@ MaskOutcome MaskPipeline::process(const MaskPair& pair) {
   input = inputOf(pair);
   if (params_.refine) {
     const auto begin = std::chrono::steady_clock::now();
-    refine(pair, input);
+    refine(input);
     outcome.refinement_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }

@@ -32,6 +32,7 @@ MotionInput previousPairFromFirst(const MotionInput& pair, const MotionInput& pa
   MotionInput seen = seenFromSecond(pair_before, flow_back, fb_error);
   seen.depth = pair.depth;
   seen.depth_std = pair.depth_std;
+  seen.texture_std = pair.texture_std;
   seen.dynamic_points = pair.dynamic_points;
   seen.static_points = pair.static_points;
   return seen;

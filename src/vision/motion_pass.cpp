@@ -22,7 +22,7 @@ constexpr int kBlock = 256;  // pixels of a row that are worked on together,
 struct PixelBlock {
   std::array<float, kBlock> u, v, depth_there, flow_part, tolerance, depth_part;
   // of the score by uncertainty
-  std::array<float, kBlock> fb_error, depth_std, x, y, inverse_depth, uu, uv, vv;
+  std::array<float, kBlock> noise, depth_std, x, y, inverse_depth, uu, uv, vv;
 };
 
 /// Prediction, flow residual and the tolerance for flow.
@@ -118,15 +118,19 @@ RADAR_DOT_VECTORISED void scoreBlock(const PassConstants& pass, int count, const
 }
 
 /// The optional images of the score by uncertainty, or what stands for them.
-void readNoise(const PassConstants& pass, int count, const float* closures, const float* depth_stds,
-               PixelBlock& block) {
+void readNoise(const PassConstants& pass, int count, const float* closures, const float* textures,
+               const float* depth_stds, PixelBlock& block) {
   const auto end = [count](auto& values) { return values.begin() + count; };
   if (closures == nullptr) {
-    std::fill(block.fb_error.begin(), end(block.fb_error), 0.0F);
+    std::fill(block.noise.begin(), end(block.noise), 0.0F);
   } else {
-    std::transform(closures, closures + count, block.fb_error.begin(),
-                   [](float gap) { return gap >= 0.0F ? gap : 0.0F; });
+    std::transform(closures, closures + count, block.noise.begin(),
+                   [weight = pass.fb_error_weight](float gap) {
+                     return gap >= 0.0F ? weight * gap * weight * gap : 0.0F;
+                   });
   }
+  for (int i = 0; textures != nullptr && i < count; ++i)
+    block.noise[static_cast<std::size_t>(i)] += textures[i] * textures[i];
   if (depth_stds == nullptr) {
     std::fill(block.depth_std.begin(), end(block.depth_std), pass.depth_std);
   } else {
@@ -143,7 +147,6 @@ RADAR_DOT_VECTORISED void spreadByInputs(const PassConstants& pass, int count, c
   const motion_terms::PixelMotion motion = pass.motion;
   const float flow_std = pass.flow_std;
   const float flow_std_relative = pass.flow_std_relative;
-  const float fb_error_weight = pass.fb_error_weight;
   const float cx = pass.cx, cy = pass.cy;
   const float x_by_u = 1.0F / pass.fx, y_by_v = 1.0F / pass.fy;
   for (int i = 0; i < count; ++i) {
@@ -151,8 +154,7 @@ RADAR_DOT_VECTORISED void spreadByInputs(const PassConstants& pass, int count, c
     const float flow_u = flows[2 * i];
     const float flow_v = flows[2 * i + 1];
     const float sigma = flow_std + flow_std_relative * std::sqrt(flow_u * flow_u + flow_v * flow_v);
-    const float gap = fb_error_weight * block.fb_error[k];
-    const float variance = sigma * sigma + gap * gap;
+    const float variance = sigma * sigma + block.noise[k];
     const terms::PixelShift shift =
         terms::byInverseDepth(motion, depths[i], {block.u[k], block.v[k], block.depth_there[k]});
     const float rho_std = block.depth_std[k] / depths[i];
@@ -242,6 +244,41 @@ PassConstants::PassConstants(const MotionInput& input, const MotionParams& param
   factors(foe_columns, input.camera.width, foe ? foe->x() : 0.0);
   factors(foe_rows, input.camera.height, foe ? foe->y() : 0.0);
 }
+
+float distanceFromStatic(const PassConstants& pass, float u, float v, float farthest, const float* flow,
+                         float noise) {
+  constexpr float kFarthest = 1e-3F;  // 1/m
+  constexpr float kNearest = 0.25F;   // 1/m; what is nearer is seldom static
+  constexpr float kDepthStd = 0.1F;   // of the inverse depth, share
+  constexpr float kStanding = 1e-6F;  // px^2 m^2: all depths look alike
+  const motion_terms::PixelMotion& motion = pass.motion;
+  const auto rotated = [&](int i) { return motion.H[i][0] * u + motion.H[i][1] * v + motion.H[i][2]; };
+  // H p + rho h is parallel to the pixel that the flow leads to, as far as it can be.
+  const float to_u = u + flow[0], to_v = v + flow[1];
+  const float a_u = rotated(0) - to_u * rotated(2), a_v = rotated(1) - to_v * rotated(2);
+  const float b_u = motion.h[0] - to_u * motion.h[2], b_v = motion.h[1] - to_v * motion.h[2];
+  const float squared = b_u * b_u + b_v * b_v;
+  farthest = std::max(farthest, kFarthest);
+  const float measured = squared > kStanding ? -(a_u * b_u + a_v * b_v) / squared : farthest;
+  const float depth = 1.0F / std::clamp(measured, farthest, std::max(farthest, kNearest));
+  const motion_terms::Prediction there = motion_terms::predict(motion, u, v, depth);
+  if (!(there.depth > 0.0F)) return kNaN;
+  const float sigma = pass.flow_std + pass.flow_std_relative * std::hypot(flow[0], flow[1]);
+  const float variance = sigma * sigma + noise;
+  const uncertainty_terms::PixelShift by_depth = uncertainty_terms::byInverseDepth(motion, depth, there);
+  const float g_u = kDepthStd / depth * by_depth.u, g_v = kDepthStd / depth * by_depth.v;
+  uncertainty_terms::Covariance covariance{variance + g_u * g_u, g_u * g_v, variance + g_v * g_v};
+  for (const uncertainty_terms::SmallMotion& direction : pass.spread) {
+    const uncertainty_terms::PixelShift shift =
+        uncertainty_terms::byMotion(pass.fx, pass.fy, (there.u - pass.cx) / pass.fx,
+                                    (there.v - pass.cy) / pass.fy, 1.0F / there.depth, direction);
+    covariance.uu += shift.u * shift.u;
+    covariance.uv += shift.u * shift.v;
+    covariance.vv += shift.v * shift.v;
+  }
+  return std::sqrt(uncertainty_terms::squaredDistance(to_u - there.u, to_v - there.v, covariance));
+}
+
 void scoreRow(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int row,
               const InputRow& input, int columns, float* scores) {
   const auto from = [](auto* pixels, int begin) { return pixels == nullptr ? nullptr : pixels + begin; };
@@ -260,7 +297,8 @@ void scoreRow(const PassConstants& pass, const motion_terms::FloatImage& next_de
       lookUpDepth(pass, next_depth, count, block);
     }
     if (pass.by_uncertainty) {
-      readNoise(pass, count, from(input.closures, begin), from(input.depth_stds, begin), block);
+      readNoise(pass, count, from(input.closures, begin), from(input.textures, begin),
+                from(input.depth_stds, begin), block);
       spreadByInputs(pass, count, depths, flows, block);
       for (std::size_t i = 0; i < pass.spread.size(); i += 2) {
         const bool is_last = i + 1 == pass.spread.size();

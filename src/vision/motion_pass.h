@@ -46,6 +46,7 @@ struct InputRow {
   const float* flows = nullptr;  // pairs
   const std::uint8_t* reliable = nullptr;
   const float* closures = nullptr;
+  const float* textures = nullptr;
   const float* depth_stds = nullptr;
   const std::uint8_t* footprint = nullptr;
 };
@@ -53,5 +54,11 @@ struct InputRow {
 /// The scores of one row; NaN where a pixel is excluded.
 void scoreRow(const PassConstants& pass, const motion_terms::FloatImage& next_depth, int row,
               const InputRow& input, int columns, float* scores);
+
+/// Standard deviations of the flow of a pixel from that of the most likely static point of its ray.
+/// @param farthest  1/m, where the ray meets the ground; not positive: nowhere
+/// @param noise     px^2, besides that of all flow
+float distanceFromStatic(const PassConstants& pass, float u, float v, float farthest, const float* flow,
+                         float noise);
 
 }  // namespace radar_dot

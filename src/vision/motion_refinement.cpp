@@ -136,6 +136,10 @@ void Refiner::collect() {
         const auto gap = static_cast<double>(input_.fb_error.at<float>(v, u));
         if (gap > 0.0) pixel.flow_variance += std::pow(noise_.fb_error_weight * gap, 2);
       }
+      if (!input_.texture_std.empty()) {
+        const auto texture = static_cast<double>(input_.texture_std.at<float>(v, u));
+        if (texture > 0.0) pixel.flow_variance += texture * texture;
+      }
       pixel.rho = 1.0 / depth;
       const double declared =
           input_.depth_std.empty() ? kUnknown : static_cast<double>(input_.depth_std.at<float>(v, u));
@@ -285,8 +289,9 @@ RefinedMotion refineMotion(const MotionInput& input, const std::optional<GroundP
   if (!input.flow_valid.empty())
     requireImage(input.flow_valid, CV_8UC1, input.camera, "flow_valid", "CV_8UC1");
   if (!input.fb_error.empty()) requireImage(input.fb_error, CV_32FC1, input.camera, "fb_error", "CV_32FC1");
-  if (!input.depth_std.empty())
-    requireImage(input.depth_std, CV_32FC1, input.camera, "depth_std", "CV_32FC1");
+  for (const auto& [image, name] :
+       {std::pair(&input.depth_std, "depth_std"), {&input.texture_std, "texture_std"}})
+    if (!image->empty()) requireImage(*image, CV_32FC1, input.camera, name, "CV_32FC1");
   return Refiner(input, ground, noise, params).run();
 }
 

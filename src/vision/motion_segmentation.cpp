@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "exact_selection.h"
+#include "ground_ray.h"
 #include "motion_images.h"
 #include "motion_pass.h"
 #include "parallel_rows.h"
@@ -41,10 +42,6 @@ int kernelSize(int diameter, double pixel_scale) {
 void morphology(cv::Mat& mask, int operation, int size) {
   if (size <= 1) return;
   cv::morphologyEx(mask, mask, operation, cv::getStructuringElement(cv::MORPH_RECT, cv::Size(size, size)));
-}
-
-RADAR_DOT_VECTORISED void aboveRow(const float* scores, int columns, float threshold, std::uint8_t* above) {
-  for (int i = 0; i < columns; ++i) above[i] = scores[i] > threshold ? 255 : 0;
 }
 
 RADAR_DOT_VECTORISED void thresholdRow(const float* scores, int columns, float threshold, std::uint8_t* mask,
@@ -109,7 +106,7 @@ void validate(const MotionParams& params) {
 
 struct MotionSegmenter::Workspace {
   MotionResult result;
-  cv::Mat footprints, score_before, seeds;
+  cv::Mat footprints, score_before, seeds, labels;
   Histograms histograms;
   FloatHistogram sum;
   tbb::enumerable_thread_specific<std::vector<float>> local_candidates;
@@ -121,8 +118,8 @@ struct MotionSegmenter::Workspace {
   void addPairBefore(double scale_ratio);
   void addBelief(const cv::Mat& belief);
   double paperThreshold(const MotionParams& params);
-  void makeMask(const MotionParams& params, double pixel_scale);
-  void keepSeeded(float high, int opening);
+  void makeMask(const MotionInput& input, const PassConstants& pass, const MotionParams& params);
+  void keepSeeded(const MotionInput& input, const PassConstants& pass, const UncertaintyScoreParams& params);
 };
 
 MotionSegmenter::MotionSegmenter(MotionParams params)
@@ -168,6 +165,7 @@ double MotionSegmenter::Workspace::score(const MotionInput& input, const PassCon
     in.flows = input.flow.ptr<float>(row);
     if (!input.flow_valid.empty()) in.reliable = input.flow_valid.ptr<std::uint8_t>(row);
     if (!input.fb_error.empty()) in.closures = input.fb_error.ptr<float>(row);
+    if (!input.texture_std.empty()) in.textures = input.texture_std.ptr<float>(row);
     if (!input.depth_std.empty()) in.depth_stds = input.depth_std.ptr<float>(row);
     if (with_radar) in.footprint = footprints.ptr<std::uint8_t>(row);
     float* out = scores.ptr<float>(row);
@@ -226,33 +224,58 @@ double MotionSegmenter::Workspace::paperThreshold(const MotionParams& params) {
                                                            static_cast<float>(params.paper.min_threshold)));
 }
 
-/// Removes the regions of the mask without a part above `high` that stands the opening.
-void MotionSegmenter::Workspace::keepSeeded(float high, int opening) {
+/// Removes the regions of the mask of which too little is dynamic whatever the depth.
+void MotionSegmenter::Workspace::keepSeeded(const MotionInput& input, const PassConstants& pass,
+                                            const UncertaintyScoreParams& params) {
+  const auto high = static_cast<float>(params.hysteresis_ratio * result.threshold);
+  const auto limit = static_cast<float>(params.hysteresis_ratio * result.scale *
+                                        uncertainty_terms::chiThreshold(2, params.false_alarm));
+  const bool with_radar = !input.dynamic_points.empty();
+  const double slope = input.ground ? std::tan(input.ground->params.pitch) : 0.0;
   seeds.create(result.score.size(), CV_8UC1);
   parallelRows(seeds.rows, [&](int row) {
-    aboveRow(result.score.ptr<float>(row), seeds.cols, high, seeds.ptr<std::uint8_t>(row));
-  });
-  morphology(seeds, cv::MORPH_OPEN, opening);
-  // What is opened at a higher level is part of what is opened at a lower one: every seed lies in the mask.
-  constexpr std::uint8_t kCandidate = 255;
-  constexpr std::uint8_t kKept = 128;
-  constexpr int kNeighbours = 8;
-  for (int row = 0; row < seeds.rows; ++row) {
-    const auto* seed = seeds.ptr<std::uint8_t>(row);
+    const float* scores = result.score.ptr<float>(row);
     const auto* mask = result.mask.ptr<std::uint8_t>(row);
+    auto* is_seed = seeds.ptr<std::uint8_t>(row);
     for (int column = 0; column < seeds.cols; ++column) {
-      if (seed[column] != 0 && mask[column] == kCandidate)
-        cv::floodFill(result.mask, {column, row}, cv::Scalar(kKept), nullptr, {}, {}, kNeighbours);
+      is_seed[column] = static_cast<std::uint8_t>(mask[column] != 0 && scores[column] > high);
+      if (is_seed[column] == 0) continue;
+      if (!input.ground || (with_radar && footprints.at<std::uint8_t>(row, column) == kDynamicReturn))
+        continue;
+      float noise = 0.0F;
+      if (!input.fb_error.empty()) noise = pass.fb_error_weight * input.fb_error.at<float>(row, column);
+      noise = noise >= 0.0F ? noise * noise : 0.0F;
+      if (!input.texture_std.empty()) noise += std::pow(input.texture_std.at<float>(row, column), 2.0F);
+      const GroundRay ground = groundRay(input.camera, input.ground->T_base_from_camera, column, row, slope,
+                                         input.ground->params.height);
+      const float distance = distanceFromStatic(
+          pass, static_cast<float>(column), static_cast<float>(row), static_cast<float>(ground.rho),
+          input.flow.ptr<float>(row) + 2 * static_cast<std::ptrdiff_t>(column), noise);
+      if (distance <= limit) is_seed[column] = 0;  // false where only the past says something
+    }
+  });
+  const int regions = cv::connectedComponents(result.mask, labels, 8, CV_32S);
+  std::vector<int> areas(static_cast<std::size_t>(regions)), votes(areas);
+  for (int row = 0; row < seeds.rows; ++row) {
+    const int* label = labels.ptr<int>(row);
+    const auto* is_seed = seeds.ptr<std::uint8_t>(row);
+    for (int column = 0; column < seeds.cols; ++column) {
+      ++areas[static_cast<std::size_t>(label[column])];
+      votes[static_cast<std::size_t>(label[column])] += is_seed[column];
     }
   }
   parallelRows(result.mask.rows, [&](int row) {
+    const int* label = labels.ptr<int>(row);
     std::uint8_t* mask = result.mask.ptr<std::uint8_t>(row);
-    for (int column = 0; column < result.mask.cols; ++column)
-      mask[column] = mask[column] == kKept ? kCandidate : 0;
+    for (int column = 0; column < result.mask.cols; ++column) {
+      const auto region = static_cast<std::size_t>(label[column]);
+      if (!(votes[region] > params.seed_share * areas[region])) mask[column] = 0;
+    }
   });
 }
 
-void MotionSegmenter::Workspace::makeMask(const MotionParams& params, double pixel_scale) {
+void MotionSegmenter::Workspace::makeMask(const MotionInput& input, const PassConstants& pass,
+                                          const MotionParams& params) {
   const cv::Mat& scores = result.score;
   const auto tau = static_cast<float>(result.threshold);
   const bool by_uncertainty = params.score == MotionScore::kUncertainty;
@@ -263,11 +286,10 @@ void MotionSegmenter::Workspace::makeMask(const MotionParams& params, double pix
                  result.valid.ptr<std::uint8_t>(row));
   });
   result.valid_count = static_cast<std::size_t>(cv::countNonZero(result.valid));
-  const int opening = kernelSize(params.cleanup.opening, pixel_scale);
-  morphology(result.mask, cv::MORPH_OPEN, opening);
+  morphology(result.mask, cv::MORPH_OPEN, kernelSize(params.cleanup.opening, input.pixel_scale));
   if (by_uncertainty && params.uncertainty.hysteresis_ratio > 1.0)
-    keepSeeded(static_cast<float>(params.uncertainty.hysteresis_ratio) * tau, opening);
-  morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.cleanup.closing, pixel_scale));
+    keepSeeded(input, pass, params.uncertainty);
+  morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.cleanup.closing, input.pixel_scale));
   // Closing reaches over excluded pixels, of which nothing is known.
   cv::bitwise_and(result.mask, result.valid, result.mask);
 }
@@ -284,7 +306,8 @@ void requireImages(const MotionInput& input) {
   if (!input.flow_valid.empty()) requireImage(input.flow_valid, CV_8UC1, camera, "flow_valid", "CV_8UC1");
   for (const auto& [image, name] :
        {std::pair(&input.next_depth, "next_depth"), std::pair(&input.fb_error, "fb_error"),
-        std::pair(&input.depth_std, "depth_std"), std::pair(&input.belief, "belief")})
+        std::pair(&input.texture_std, "texture_std"), std::pair(&input.depth_std, "depth_std"),
+        std::pair(&input.belief, "belief")})
     if (!image->empty()) requireImage(*image, CV_32FC1, camera, name, "CV_32FC1");
 }
 
@@ -315,7 +338,7 @@ MotionResult MotionSegmenter::segment(const MotionInput& input, const MotionInpu
   if (!by_uncertainty) {
     result.median = work.score(input, pass, result.score);
     result.threshold = work.paperThreshold(params_);
-    work.makeMask(params_, input.pixel_scale);
+    work.makeMask(input, pass, params_);
     return std::exchange(result, {});
   }
   result.median = work.score(input, pass, result.score);
@@ -329,7 +352,7 @@ MotionResult MotionSegmenter::segment(const MotionInput& input, const MotionInpu
   const int degrees = input.next_depth.empty() ? 2 : 3;
   result.threshold = result.scale * uncertainty_terms::chiThreshold(degrees, params_.uncertainty.false_alarm);
   if (!input.belief.empty()) work.addBelief(input.belief);
-  work.makeMask(params_, input.pixel_scale);
+  work.makeMask(input, pass, params_);
   return std::exchange(result, {});
 }
 

@@ -336,18 +336,76 @@ TEST(RadarEvidence, FarFootprintsAreAsWideAsTheBearingIsUncertain) {
   EXPECT_NEAR(static_cast<double>(wide) / narrow, 3.0, 0.3);
 }
 
-TEST(Hysteresis, RegionsWithoutASeedDoNotCount) {
+TEST(Hysteresis, RegionsWithTooFewSeedsDoNotCount) {
   MotionParams params = exactModel();
   params.uncertainty.false_alarm = 0.05;
   MotionInput input = wall();
   move(input, {40, 40, 60, 20}, {0.0F, 1.7F});    // weak
-  move(input, {40, 40, 10, 20}, {0.0F, 4.0F});    // with a strong end
+  move(input, {40, 40, 18, 20}, {0.0F, 4.0F});    // with a strong end
   move(input, {200, 180, 60, 20}, {0.0F, 1.7F});  // weak only
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 2400);
   params.uncertainty.hysteresis_ratio = 2.0;
   const cv::Mat mask = MotionSegmenter(params).segment(input).mask.clone();
   EXPECT_EQ(cv::countNonZero(mask), 1200);
   EXPECT_EQ(cv::countNonZero(mask(cv::Rect(40, 40, 60, 20))), 1200);
+  params.uncertainty.seed_share = 0.5;
+  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
+}
+
+/// Of a camera 1.5 m above a plane, which drives ahead by 1 m: the ground up to the horizon, and sky.
+MotionInput street() {
+  MotionInput input;
+  input.camera = {500.0, 500.0, 159.5, 119.5, 320, 240};
+  input.T_current_from_previous.translation() = Eigen::Vector3d(0.0, 0.0, -1.0);
+  GroundPlane ground;
+  ground.T_base_from_camera.linear() << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  ground.T_base_from_camera.translation().z() = 1.5;
+  input.depth = groundDepth(input.camera, ground.T_base_from_camera, 0.0, 0.0, 100.0);
+  input.depth.setTo(40.0, ~(input.depth == input.depth));
+  input.flow = expectedFlow(input.camera, input.T_current_from_previous, input.depth);
+  input.ground = ground;
+  return input;
+}
+
+/// A part of the image that shows what stands at another depth, m.
+void stand(MotionInput& input, const cv::Rect& part, double depth) {
+  const cv::Mat there(input.depth.size(), CV_32FC1, cv::Scalar(depth));
+  expectedFlow(input.camera, input.T_current_from_previous, there)(part).copyTo(input.flow(part));
+}
+
+int marked(const MotionParams& params, const MotionInput& input, const cv::Rect& part) {
+  return cv::countNonZero(MotionSegmenter(params).segment(input).mask(part));
+}
+
+TEST(Hysteresis, WhatMayStandBeforeTheGroundIsNoSeed) {
+  MotionParams params = exactModel();
+  params.uncertainty.noise.flow_std = 0.1;
+  params.uncertainty.hysteresis_ratio = 1.5;
+  const cv::Rect near(240, 140, 30, 40), far(60, 20, 30, 40), sky(200, 20, 30, 40);
+  MotionInput input = street();
+  stand(input, near, 6.0);  // the ground is 12 to 37 m away there
+  stand(input, far, 8.0);
+  stand(input, sky, 5000.0);
+  for (const cv::Rect& part : {near, far, sky}) EXPECT_EQ(marked(params, input, part), 0);
+  MotionInput measured = input;
+  measured.ground.reset();
+  for (const cv::Rect& part : {near, far, sky}) EXPECT_GT(marked(params, measured, part), 1100);
+  // What drives ahead as fast would have to stand behind the ground; what crosses, nowhere.
+  input = street();
+  input.flow(near).setTo(cv::Scalar(0.0, 0.0));
+  move(input, far, {0.0F, 6.0F});
+  EXPECT_GT(marked(params, input, near), 900);
+  EXPECT_GT(marked(params, input, far), 1100);
+}
+
+TEST(UncertaintyScore, FlowOfNoTextureSaysLittle) {
+  const MotionParams params = exactModel();
+  MotionInput input = wall();
+  move(input, {250, 110, 20, 20}, {0.0F, 6.0F});
+  input.texture_std = cv::Mat(240, 320, CV_32FC1, cv::Scalar(0.1));
+  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 400);
+  input.texture_std(cv::Rect(250, 110, 20, 10)).setTo(10.0);
+  EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 200);
 }
 
 TEST(UncertaintyScore, ParametersThatMakeNoSenseAreRefused) {

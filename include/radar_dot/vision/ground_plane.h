@@ -38,6 +38,14 @@ struct GroundParams {
   }
 };
 
+/// The ground plane that a part of MotionInput::depth shows (groundDepth), and how well it is known. The
+/// relative error of its depth overrides MotionInput::depth_std; pitch and height are separate because they
+/// are estimated.
+struct GroundPlane {
+  Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();  ///< at t-1
+  GroundParams params;
+};
+
 /// Depth of the ground plane (z = height in the base frame, turned by pitch about the base's y axis): NaN at
 /// and above the horizon and beyond max_depth.
 cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,

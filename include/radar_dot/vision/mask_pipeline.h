@@ -101,7 +101,7 @@ class MaskPipeline {
   };
   MotionInput inputOf(const MaskPair& pair) const;
   const cv::Mat& ignoredOn(const cv::Size& grid);
-  void refine(const MaskPair& pair, MotionInput& input) const;
+  void refine(MotionInput& input) const;
   const FlowField* backwardTo(const MaskPair& pair) const;
   cv::Mat beliefFor(const MaskPair& pair, const FlowField* backward) const;
   void followDepth(const MaskPair& pair, const FlowField* backward, const cv::Mat& belief,

@@ -65,14 +65,6 @@ struct RefinementParams {
 /// per px of the grid
 int strideOf(const RefinementParams& params, double pixel_scale);
 
-/// The ground plane that a part of MotionInput::depth shows (groundDepth), and how well it is known. The
-/// relative error of its depth overrides MotionInput::depth_std; pitch and height are separate because they
-/// are estimated.
-struct GroundPlane {
-  Eigen::Isometry3d T_base_from_camera = Eigen::Isometry3d::Identity();  ///< at t-1
-  GroundParams params;
-};
-
 /// What refineMotion found.
 struct RefinedMotion {
   Eigen::Isometry3d T_current_from_previous = Eigen::Isometry3d::Identity();

@@ -7,11 +7,13 @@
 #include <cstddef>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "radar_dot/common/fields.h"
 #include "radar_dot/vision/camera_intrinsics.h"
 #include "radar_dot/vision/flow_depth_noise.h"
+#include "radar_dot/vision/ground_plane.h"
 #include "radar_dot/vision/shared_fields.h"
 
 namespace radar_dot {
@@ -66,7 +68,8 @@ struct UncertaintyScoreParams {
   double next_depth_std = 0.5;
   double false_alarm = 1e-3;
   double min_scale = 0.6;
-  double hysteresis_ratio = 3.5;
+  double hysteresis_ratio = 1.75;
+  double seed_share = 0.2;
 
   void describe(FieldList& fields) {
     noise.describe(fields);
@@ -81,9 +84,14 @@ struct UncertaintyScoreParams {
                "", {0.01, 1.0});
     fields.add(
         "hysteresis_ratio", hysteresis_ratio,
-        "A region is kept only if, after the opening, some pixel exceeds this multiple of the threshold; 1: "
-        "off",
+        "Pixels beyond this multiple of the threshold decide over their region (seed_share): wherever before "
+        "the "
+        "ground a static world might be where depth_backend radar_ground draws it, but within footprints of "
+        "dynamic returns; 1: off",
         "", {1.0, 100.0});
+    fields.add("seed_share", seed_share,
+               "A region is kept only if this share of its pixels is beyond hysteresis_ratio", "",
+               {0.0, 1.0});
   }
 };
 
@@ -163,12 +171,17 @@ struct ImagePairInput {
   cv::Mat flow_valid;  ///< CV_8UC1, 0 = unreliable; empty: all are reliable
   cv::Mat depth;       ///< CV_32FC1, m, at t-1 (the paper's D_{t-1}); NaN, 0 or less = unknown
   cv::Mat next_depth;  ///< CV_32FC1, m, at t (the paper's D_t); empty: no depth residual anywhere
+  /// Where depth is drawn by little knowledge: what is static may as well lie anywhere before this plane.
+  /// None: depth is measured.
+  std::optional<GroundPlane> ground;
 };
 
 /// How well a pair is known, for the score by uncertainty and the refinement.
 struct PairUncertainty {
   /// CV_32FC1, px of the grid: the forward-backward error; empty or NaN: not known
   cv::Mat fb_error;
+  /// CV_32FC1, px of the grid: 1 sigma of the flow besides, by lack of texture; empty: nothing is added
+  cv::Mat texture_std;
   /// CV_32FC1, 1 sigma of the inverse depth at t-1, share of it; empty, NaN or negative: MotionParams
   cv::Mat depth_std;
   /// Of a small motion (omega, tau) after T_current_from_previous, X -> X + omega x X + tau: rad^2, rad m,

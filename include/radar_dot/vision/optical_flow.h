@@ -22,6 +22,9 @@ struct FlowField {
   /// CV_32FC1, px OF THIS GRID: forward-backward error of the flow, NaN where it leaves the image. Empty
   /// without forward_backward.
   cv::Mat fb_error = {};
+  /// CV_32FC1, px OF THIS GRID: 1 sigma that the flow has besides, as the first image shows little texture
+  /// there, so that it is the flow of the surroundings. Empty without forward_backward.
+  cv::Mat texture_std = {};
   /// CV_32FC2, px OF THIS GRID: from the second image to the first. Empty without forward_backward.
   cv::Mat backward = {};
   double backward_seconds = 0.0;  ///< that the way back and its comparison took
