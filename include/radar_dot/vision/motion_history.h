@@ -19,8 +19,7 @@ MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const c
 MotionInput previousPairFromFirst(const MotionInput& pair, const MotionInput& pair_before,
                                   const cv::Mat& flow_back, const cv::Mat& fb_error);
 
-/// Neither one pair nor all pairs before together say more than these odds, e^6. With the default
-/// MotionParams::seed that carries regions on, but starts none: what is seen now must say so, too.
+/// Neither one pair nor all pairs before together say more than these odds, e^6.
 constexpr float kMaxLogOdds = 6.0F;
 
 /// Log-odds that a pixel moves, after a pair by the score by uncertainty: how far its score is above the
