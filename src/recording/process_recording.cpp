@@ -245,7 +245,7 @@ class Processing {
         topics.push_back(topic);
     }
     if (!ours.empty()) {
-      std::fputs(fmt::format("the recording's own {} {} left out: the nodelets publish them anew\n",
+      std::fputs(fmt::format("the recording's own {} {} left out: the nodelets publish them again\n",
                              fmt::join(ours, ", "), ours.size() == 1 ? "is" : "are")
                      .c_str(),
                  stderr);
