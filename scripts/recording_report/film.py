@@ -183,7 +183,8 @@ def make(recording, truth=None, start=0.0):
     name, stamps, masks, source = source_of(recording, start)
     length = stamps[-1] - stamps[0]
     image = image_topic(recording)
-    annotated = [stamp for stamp in stamps if truth and truth.has(stamp)] if image and recording.has(image) else []
+    images = {stamp for stamp, _ in recording.stamps(image)} if image and truth else ()
+    annotated = [stamp for stamp in stamps if stamp in images and truth.has(stamp)]
 
     def frames(wanted):
         found = frames_of(recording, name, wanted, masks)

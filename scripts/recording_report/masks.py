@@ -64,7 +64,7 @@ class MaskScore:
         self.fractions = {}
         for message in recording.messages("dynamic/mask"):
             stamp, shape = seconds(message.header.stamp), (message.height, message.width)
-            mask = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)[:, :message.width] > 0
+            mask = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step or message.width)[:, :message.width] > 0
             self.count += 1
             true = truth.at(stamp)
             if true is not None:
