@@ -24,7 +24,7 @@
 ///     s^2 = r^T Sigma^-1 r  +  (D_t(u', v') - Z_est)^2 / sigma_Z^2
 ///
 /// whose square is distributed as chi-square with 2 degrees of freedom, or 3 where depth is seen in the
-/// second image, for what stands.
+/// second image, of a static point.
 namespace radar_dot::uncertainty_terms {
 
 /// Derivative of (u', v') by rho = 1 / D, px m. Of X_t = D (R x + rho t) only the direction counts, so that
