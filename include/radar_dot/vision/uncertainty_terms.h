@@ -17,7 +17,7 @@
 ///     Sigma = sigma_flow^2 I  +  g g^T sigma_rho^2  +  J Sigma_motion J^T
 ///
 /// with g = d(u', v') / d rho and J = d(u', v') / d(omega, tau). The error of depth moves the prediction
-/// along g only, the direction to the focus of expansion; across it a small residual already tells motion. A
+/// along g only, the direction to the focus of expansion; across it even a small residual indicates motion. A
 /// single tolerance for both, as the paper's, must be as wide as the wider one. The score is the Mahalanobis
 /// distance
 ///
