@@ -15,7 +15,7 @@ ESTIMATORS = (  # (label, path in the report, colour): the package's best first,
     ("B2: all returns, RANSAC", "mae/B2", "#b3bac1"),
     ("B1: all returns", "mae/B1", "#d5d9dd"),
 )
-MOST_LABELLED = 8  # groups with numbers on their bars
+MOST_LABELLED = 3  # groups with numbers on all bars; with more, on the first of each
 MOST_LABELS_ABREAST = 4  # groups whose names need no turning
 
 
@@ -47,9 +47,9 @@ def draw(rows):
         positions = np.arange(len(rows)) + (i - (len(ESTIMATORS) - 1) / 2) * width
         axes.bar(positions, heights, 0.92 * width, label=label, color=colour)
         for x, height in zip(positions, heights):
-            if len(rows) <= MOST_LABELLED and np.isfinite(height):
+            if (len(rows) <= MOST_LABELLED or i == 0) and np.isfinite(height):
                 text = f"{height:.3f}" if len(rows) < 3 else f"{height:.2f}"
-                axes.annotate(text, (x, height), (0, 2), textcoords="offset points", ha="center", fontsize=7)
+                axes.annotate(text, (x, height), (0, 2), textcoords="offset points", ha="center", fontsize=7.5)
     axes.set_xticks(np.arange(len(rows)))
     turned = len(rows) > MOST_LABELS_ABREAST and len(rows) * max(len(name) for name, _ in rows) > 90
     axes.set_xticklabels([name for name, _ in rows], **({"rotation": 60, "ha": "right"} if turned else {}))
