@@ -24,9 +24,10 @@ def lines(content, masks, reports, about=""):
     if masks.compared:
         result.append(("masks", f"IoU {masks.iou():.2f} with the true masks of {masks.compared} images (precision "
                                 f"{masks.precision():.2f}, recall {masks.recall():.2f})"))
-    paper = scores.best_of_paper(reports)
-    if paper is not None:
-        result.append(("comparison", f"the paper's planar estimators err by {paper:.2f} m/s at best on the same drive"))
+    least = scores.least_errors(reports)
+    if least:
+        result.append(("comparison", f"velocity off by {least[0]:.3f} m/s, by the paper's planar estimators {least[1]:.3f} m/s at "
+                                     "best"))
     return result
 
 

@@ -256,7 +256,7 @@ class ReportTest(unittest.TestCase):
         self.assertEqual(lines["forward speed"], "wrong by 0.100 m/s on average, at a mean speed of 5.0 m/s")
         self.assertEqual(lines["drift"], "1.00 % of the way: 0.50 m off after 50 m")
         self.assertEqual(lines["masks"], "IoU 0.67 with the true masks of 26 images (precision 1.00, recall 0.67)")
-        self.assertEqual(lines["comparison"], "the paper's planar estimators err by 0.30 m/s at best on the same drive")
+        self.assertEqual(lines["comparison"], "velocity off by 0.030 m/s, by the paper's planar estimators 0.300 m/s at best")
         self.assertEqual(list(lines)[-1], "report")
         for label, text in lines.items():
             if label != "report":
