@@ -68,6 +68,9 @@ def motion(content):
             error = value - truth[:, i]
             estimates(axes[i, 1], raw[:, 0], raw_value - raw_truth[:, i], times, error, sigma, centre=0 * times)
             axes[i, 1].axhline(0, color=REFERENCE, linestyle="--")
+            seen = error[np.isfinite(error)]
+            if len(seen):  # a jump of the reference must not flatten the rest
+                error = np.clip(error, *np.percentile(seen, (1, 99)))
             limit_to_estimate(axes[i, 1], np.concatenate([error, 3.2 * sigma, -3.2 * sigma]), np.tile(sigma, 3))
         limit_to_estimate(axis, value, sigma)
         axis.set_ylabel(name)
