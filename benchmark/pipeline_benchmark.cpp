@@ -163,7 +163,7 @@ void flowThereAndBack(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(backwardField(s.flowOf(true), flowParams(true)));
 }
 
-/// Flow there and back into messages, as they are published.
+/// Forward and backward flow as messages, as they are published.
 void messages(benchmark::State& state) {
   const FlowField& field = stage().pair.flow;
   for (auto _ : state)
@@ -171,7 +171,7 @@ void messages(benchmark::State& state) {
       benchmark::DoNotOptimize(flowMessage({}, {}, field, {kCamera.width, kCamera.height}));
 }
 
-/// The masks of a stream, each looking back to the one before.
+/// The masks of a stream, each looking back to the previous one.
 void masks(benchmark::State& state, bool refine) {
   MaskPipeline pipeline(maskParams(refine));
   MaskPair pair = stage().pair;

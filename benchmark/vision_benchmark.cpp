@@ -63,7 +63,7 @@ void motionSegmenter(benchmark::State& state) {
 }
 BENCHMARK(motionSegmenter)->Arg(1)->Arg(2)->ArgName("threads")->Unit(benchmark::kMillisecond)->UseRealTime();
 
-/// With everything the score by uncertainty looks at: a gap for every pixel, a share of depth noise for every
+/// With everything the score by uncertainty looks at: a gap for every pixel, a relative depth noise for every
 /// pixel, and the covariance of the motion.
 void motionSegmenterByUncertainty(benchmark::State& state) {
   MotionInput input = street();

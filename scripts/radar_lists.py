@@ -26,7 +26,7 @@ KEYS = {
     "group": "a scan has several messages, and ends when this changes",
     "pause": "s (0.05 with id or group): a scan has several messages, and ends when none comes for this long",
     "latest": "true: of the messages of a scan the last one has all returns",
-    "appended": "true: the driver appends each scan to the list of the one before; the first message is skipped",
+    "appended": "true: the driver appends each scan to the list of the previous one; the first message is skipped",
     "note": "logged at start",
     "refused": "why this type is not converted",
 }
@@ -324,7 +324,7 @@ class Collector:
                    for key, mark in marks.items())
 
     def _take_new(self, message):
-        """Leaves in the message what was not in the one before; False for the first one."""
+        """Leaves in the message what was not in the previous one; False for the first one."""
         elements, previous = self.entry.elements(message), self.previous
         self.previous = list(elements)
         if previous and len(elements) >= len(previous) and elements[len(previous) - 1] == previous[-1]:

@@ -13,7 +13,7 @@ NESTED_UNDER = ("state_dict", "model_state_dict", "model", "network", "net")
 
 
 class ExportError(Exception):
-    """Says in one line what is wrong with which file and how to mend it."""
+    """Says in one line what is wrong with which file and how to correct it."""
 
 
 def one_line(error):

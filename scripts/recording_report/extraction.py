@@ -130,6 +130,11 @@ class Motion:
                                np.mean(np.abs(error) <= 3 * sigma)))
         return result
 
+    def drift(self):
+        """(m apart at the end, m of the way); None without odometry and reference poses, or without a way."""
+        aligned = self.aligned_reference()
+        return (aligned[1], self.distance()) if aligned and self.distance() > 1.0 else None
+
     def aligned_reference(self):
         """x, y of the reference, laid on the first pose of the odometry that it has, and the distance of both at the
         last; None without both."""
@@ -316,6 +321,7 @@ class Content:
         self.motion, self.sweeps, self.returns = Motion(), Sweeps(), Returns()
         self.objects, self.frames, self.health = Objects(), Frames(), Health()
         self.reference = self.find_reference(reference)
+        self.reference_name = "truth" if self.reference == REFERENCE else "reference"
         if not recording.has("ego/twist"):
             raise ReportError(no_twist(recording))
         recording.read({
@@ -355,7 +361,7 @@ class Content:
 
 def is_live(ages):
     """Twists that are recorded at their very stamps are of offline processing, and with clocks a day apart none tell."""
-    return EXACT_AGE < np.abs(ages).max() and abs(np.median(ages)) < 86400
+    return EXACT_AGE < abs(np.median(ages)) < 86400
 
 
 def no_twist(recording):

@@ -1,6 +1,7 @@
 # Copyright (c) 2026, the Radar-Dot developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""A short film of the images with what moves marked: as a video by ffmpeg, without it as a strip of frames."""
+"""A short film of the images with what moves marked, beside what truly moves where that is known: as a video by
+ffmpeg, without it as a strip of frames; and the six panels of one moment."""
 import io
 import os
 import shutil
@@ -10,14 +11,16 @@ import tempfile
 import numpy as np
 from PIL import Image as Picture
 
-from .extraction import seconds
 from .plots import data_uri
+from .recording import seconds
 
 LONGEST = 20.0  # s
-WIDEST = 640  # px
+WIDEST = 640  # px, of one image
+WIDEST_PANELS = 1680  # px
 MOST_FRAMES_PER_SECOND = 15.0
 STRIP = 6  # frames
 MARK = np.array([232, 30, 140])  # RGB of what moves
+TRULY = np.array([30, 160, 70])  # RGB of what truly moves
 ENCODERS = (  # at most 2.5 Mbit/s: 6 MB
     ("video/mp4", "mp4", ["-c:v", "libx264", "-preset", "veryfast", "-crf", "25", "-maxrate", "2500k", "-bufsize",
                           "5000k", "-movflags", "+faststart"]),
@@ -32,11 +35,12 @@ class FilmError(Exception):
 
 
 class Film:
-    """kind: of the data URI, "" where it is a strip of frames; source: the topics it is made of."""
+    """kind: of the data URI, "" where it is a strip of frames; source: the topics it is made of; truths: frames that
+    have a true mask of their own."""
 
-    def __init__(self, uri, kind, source, frames, length, size, whole_length, note=""):
+    def __init__(self, uri, kind, source, frames, length, truths, size, whole_length, note=""):
         self.uri, self.kind, self.source, self.frames, self.length = uri, kind, source, frames, length
-        self.size, self.whole_length, self.note = size, whole_length, note
+        self.truths, self.size, self.whole_length, self.note = truths, size, whole_length, note
 
 
 def picture_of(message):
@@ -93,15 +97,16 @@ def read_masks(recording, stamps):
     return masks
 
 
-def marked(picture, mask):
-    pixels = np.asarray(picture, float)
+def marked(picture, mask, colour=MARK):
+    pixels = np.array(picture)
     moves = np.asarray(scaled(mask, picture.size, Picture.NEAREST)) > 0
-    pixels[moves] = 0.5 * pixels[moves] + 0.5 * MARK
-    return Picture.fromarray(pixels.astype(np.uint8))
+    pixels[moves] = 0.5 * pixels[moves] + 0.5 * colour
+    return Picture.fromarray(pixels)
 
 
-def frames_of(recording, name, stamps, masks):
-    wanted, size = set(stamps), None
+def frames_of(recording, name, stamps, masks, size=None):
+    """(stamp, image)"""
+    wanted = set(stamps)
     for message in recording.messages(name):
         stamp = seconds(message.header.stamp)
         if stamp not in wanted:
@@ -109,7 +114,24 @@ def frames_of(recording, name, stamps, masks):
         wanted.remove(stamp)
         picture = scaled(picture_of(message).convert("RGB"), size)
         size = picture.size
-        yield marked(picture, masks[stamp]) if stamp in masks else picture
+        yield stamp, marked(picture, masks[stamp]) if stamp in masks else picture
+
+
+def beside_truth(frames, recording, image, stamps, truth):
+    """The frames, each with the latest annotated image up to it on its right."""
+    annotated, following, right = None, None, None
+    for stamp, left in frames:
+        if annotated is None:
+            right = Picture.new("RGB", left.size, (40, 44, 48))
+            annotated = frames_of(recording, image, stamps, {}, left.size)
+            following = next(annotated, None)
+        while following and following[0] <= stamp:
+            right = marked(following[1], truth.at(following[0]), TRULY)
+            following = next(annotated, None)
+        both = Picture.new("RGB", (2 * left.width, left.height))
+        both.paste(left, (0, 0))
+        both.paste(right, (left.width, 0))
+        yield stamp, both
 
 
 def source_of(recording, start):
@@ -146,28 +168,37 @@ def encode(raw, size, rate, folder):
 
 
 def strip(frames):
-    """(JPEG, size) of a few frames beside each other, in rows of three."""
+    """(JPEG, size) of a few frames, three abreast where they are no pairs."""
     width, height = frames[0].size
-    sheet = Picture.new("RGB", (width * min(3, len(frames)), height * -(-len(frames) // 3)), "white")
+    columns = min(len(frames), 3 if width <= WIDEST else 1)
+    sheet = Picture.new("RGB", (width * columns, height * -(-len(frames) // columns)), "white")
     for i, frame in enumerate(frames):
-        sheet.paste(frame, (i % 3 * width, i // 3 * height))
+        sheet.paste(frame, (i % columns * width, i // columns * height))
     stream = io.BytesIO()
     sheet.save(stream, "JPEG", quality=80)
     return stream.getvalue(), sheet.size
 
 
-def make(recording, start=0.0):
+def make(recording, truth=None, start=0.0):
     name, stamps, masks, source = source_of(recording, start)
     length = stamps[-1] - stamps[0]
+    image = image_topic(recording)
+    images = {stamp for stamp, _ in recording.stamps(image)} if image and truth else ()
+    annotated = [stamp for stamp in stamps if stamp in images and truth.has(stamp)]
+
+    def frames(wanted):
+        found = frames_of(recording, name, wanted, masks)
+        return beside_truth(found, recording, image, annotated, truth) if annotated else found
+
     all_stamps = [stamp for stamp, _ in recording.stamps(name)]
-    facts = (source, len(stamps), length)
+    facts = (source, len(stamps), length, len(annotated))
     whole = max(all_stamps) - min(all_stamps)
     note = "ffmpeg is not installed"
     if shutil.which("ffmpeg"):
         with tempfile.TemporaryDirectory() as folder:
             raw = os.path.join(folder, "film.rgb")
             with open(raw, "wb") as file:
-                for frame in frames_of(recording, name, stamps, masks):
+                for _, frame in frames(stamps):
                     size = frame.size
                     file.write(frame.tobytes())
             try:
@@ -176,5 +207,21 @@ def make(recording, start=0.0):
             except FilmError as error:
                 note = str(error)
     chosen = stamps[np.unique(np.linspace(0, len(stamps) - 1, STRIP).astype(int))]
-    content, size = strip(list(frames_of(recording, name, chosen, masks)))
+    content, size = strip([frame for _, frame in frames(chosen)])
     return Film(data_uri("image/jpeg", content), "", *facts, size, whole, note)
+
+
+def six_panels(recording, fractions):
+    """(data URI, stamp) of the panels at the image where most moves; None without panels."""
+    name = next((name for name in ("overlay/six_panel/compressed", "overlay/six_panel") if recording.has(name)), None)
+    stamps = [stamp for stamp, _ in recording.stamps(name)] if name else []
+    if not stamps:
+        return None
+    wanted = max(stamps, key=lambda stamp: fractions.get(stamp, -1.0))
+    message = next(one for one in recording.messages(name) if seconds(one.header.stamp) == wanted)
+    picture = (Picture.open(io.BytesIO(message.data)) if not hasattr(message, "encoding")
+               else picture_of(message)).convert("RGB")
+    picture.thumbnail((WIDEST_PANELS, WIDEST_PANELS))
+    stream = io.BytesIO()
+    picture.save(stream, "JPEG", quality=88)
+    return data_uri("image/jpeg", stream.getvalue()), wanted

@@ -3,10 +3,11 @@
 """The page of a report: one HTML file that needs nothing beside it."""
 import datetime
 import html
+import re
 
 import numpy as np
 
-from . import plots
+from . import plots, scores, velocity_chart
 from .extraction import COMPONENTS
 
 CSS = """
@@ -18,6 +19,10 @@ main { max-width: 1080px; margin: 0 auto; padding: 0 24px 48px; }
 header { padding: 36px 0 8px; }
 h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 4px; overflow-wrap: anywhere; }
 h2 { font-size: 1.25rem; margin: 0 0 4px; }
+h3 { font-size: 1.05rem; margin: 18px 0 0; }
+.story table { margin: 0; }
+.story tr:last-child > * { border-bottom: none; }
+.story th { white-space: nowrap; width: 9rem; vertical-align: top; }
 header p { margin: 0; color: var(--soft); }
 nav { margin: 18px 0 0; font-size: 0.92rem; }
 nav a { display: inline-block; margin: 0 18px 4px 0; color: var(--blue); text-decoration: none; }
@@ -78,6 +83,11 @@ def figure(uri, caption, alt):
     return f'<figure><img class="plot" alt="{escaped(alt)}" src="{uri}"><figcaption>{caption}</figcaption></figure>'
 
 
+def with_code(text):
+    """HTML of a text with `code`."""
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", escaped(text))
+
+
 def decimals(value, digits, scale=1.0):
     return f"{round(scale * value, digits) + 0.0:.{digits}f}" if np.isfinite(value) else "–"  # + 0.0: no -0.0
 
@@ -85,8 +95,12 @@ def decimals(value, digits, scale=1.0):
 class Page:
     """Sections in the order of reading; what the bag does not hold is noted at the end."""
 
-    def __init__(self, content, film, film_error, config):
+    def __init__(self, content, film, film_error, config=None, panels=None, masks=None, reports=(), title="",
+                 summary=(), steps=()):
+        """panels: (data URI, stamp); reports: of scores.load(); summary: of summary.lines(); steps: what to try next."""
         self.content, self.film, self.film_error, self.config = content, film, film_error, config
+        self.panels, self.masks, self.reports = panels, masks, reports
+        self.title, self.summary, self.steps = title or content.recording.title(), summary, steps
         self.sections, self.missing = [], []
 
     def add(self, anchor, title, *parts):
@@ -116,8 +130,8 @@ class Page:
     def motion(self):
         motion = self.content.motion
         errors = motion.errors()
-        caption = ("The reference should stay within the band of three standard deviations" if errors else
-                   "The band is three standard deviations wide to either side")
+        caption = (f"The {self.content.reference_name} (dashed) should stay within the band of three standard deviations"
+                   if errors else "The band is three standard deviations wide to either side")
         parts = [figure(plots.motion(self.content),
                         f"{caption}; where the line is missing the radars do not observe that component.",
                         "forward speed, sideslip and yaw rate over time")]
@@ -125,10 +139,12 @@ class Page:
             rows = [[f"{name} ({'rad/s' if name == COMPONENTS[2] else 'm/s'})", decimals(bias, 4),
                      decimals(absolute, 4), decimals(rms, 4), decimals(100 * inside, 1)]
                     for name, bias, absolute, rms, inside in errors]
-            parts.append(table(["error against the reference", "mean", "mean absolute", "root mean square",
+            parts.append(table([f"error against the {self.content.reference_name}", "mean", "mean absolute", "root mean square",
                                 "within 3&sigma; (%)"], rows, range(1, 5)))
-            parts.append(f'<p class="note">Reference: <code>{escaped(self.topic(self.content.reference))}</code>, taken '
-                         "as the velocity of the same frame, interpolated at the stamps of the twists.</p>")
+            parts.append('<p class="note">Mean: what is wrong all the time, as by a scale. Mean absolute: how far off to expect '
+                         "it. Within 3&sigma;: about 99.7 % where the stated uncertainty is right. The "
+                         f"{self.content.reference_name} is <code>{escaped(self.topic(self.content.reference))}</code>, "
+                         "taken as the velocity of the same frame, interpolated at the stamps of the twists.</p>")
         else:
             self.lack("Errors against a reference", self.content.reference or "/ground_truth/odom, or --reference")
         self.add("motion", "Motion", *parts)
@@ -140,8 +156,8 @@ class Page:
         aligned = self.content.motion.aligned_reference()
         caption = "The driven path, seen from above."
         if aligned:
-            caption = (f"The driven path, seen from above, with the reference laid on its first pose: at the end they "
-                       f"are {aligned[1]:.2f} m apart after {self.content.motion.distance():.1f} m.")
+            caption = (f"The driven path, seen from above, with the {self.content.reference_name} laid on its first pose: "
+                       f"at the end they are {aligned[1]:.2f} m apart after {self.content.motion.distance():.1f} m.")
         self.add("path", "Path", figure(plots.path(self.content), caption, "path from above"))
 
     def pictures(self):
@@ -152,15 +168,89 @@ class Page:
         film = self.film
         part = (f"{film.length:.1f} s of {film.whole_length:.1f} s" if film.whole_length > film.length + 0.05
                 else f"{film.length:.1f} s")
-        caption = (f"What moves by itself is marked in magenta; {part}, {film.frames} frames of "
-                   f"<code>{escaped(film.source)}</code>.")
+        caption = "What moves independently is marked in magenta"
+        if film.truths:
+            held = "" if film.truths == film.frames else ", which stays until the next one"
+            caption = (f"Left: {caption[0].lower()}{caption[1:]} by radar_dot. Right: what truly moves, in green, in each of "
+                       f"{film.truths} annotated images{held}. Look for green without magenta (missed) and magenta without "
+                       "green (false)")
+        if self.content.recording.topic("overlay/mask") in film.source:
+            caption += ". Hatched: no depth or flow, so neither marked nor counted as static"
+        caption += f". {part}, {film.frames} frames of <code>{escaped(film.source)}</code>."
         if film.kind:
-            shown = (f'<video controls muted loop playsinline preload="metadata" width="{film.size[0]}" '
+            shown = (f'<video controls autoplay muted loop playsinline preload="metadata" width="{film.size[0]}" '
                      f'height="{film.size[1]}" src="{film.uri}"></video>')
         else:
             shown = f'<img alt="frames of the film" src="{film.uri}">'
             caption += f" A few frames instead of the video: {escaped(film.note)}."
         self.add("film", "What moves in the images", f"<figure>{shown}<figcaption>{caption}</figcaption></figure>")
+
+    def six_panels(self):
+        if not self.panels:
+            if self.film:
+                self.lack("The six panels", self.topic("overlay/six_panel/compressed") + " (process_bag --six-panel)")
+            return
+        uri, stamp = self.panels
+        self.add("panels", "How a mask comes about", f'<figure><img alt="six panels" src="{uri}"><figcaption>The image in '
+                 f"which most moves, at {stamp - self.content.motion.start():.1f} s. Above: the mask in the image; the residual "
+                 "between the observed flow and that of a static world, from which the mask is made; that expected flow, by "
+                 "the radars' velocity and the depth. Below: the depth; the radar returns, static and dynamic; the flow "
+                 "observed between the two images.</figcaption></figure>")
+
+    def scores(self):
+        """Tables of the evaluators, each with a sentence on how to read it."""
+        parts, truth = [], self.content.reference_name
+        for name, report, kind in self.reports:
+            if kind == "velocity":
+                rows = [[escaped(label), *(decimals(value, 3) for value in values)]
+                        for label, *values in scores.velocity_rows(report)]
+                head = ["estimator", "|v &minus; v<sub>true</sub>| (m/s)", "vx (m/s)", "vy (m/s)", "yaw rate (rad/s)"]
+                parts.append(f"<h3>Velocity</h3>{table(head, rows, range(1, 5))}")
+                parts.append('<p class="note">Mean errors, the smaller the better; compare the first column. The paper\'s four '
+                             "estimators have a planar model without yaw rate, which errs wherever the vehicle turns.</p>")
+                chart = plots.finished(velocity_chart.draw(velocity_chart.rows_of(report)))
+                parts.append(figure(chart, f"The first column by scene (<code>{escaped(name)}</code>).",
+                                    "error of each estimator of the velocity"))
+        rows = []
+        if self.masks and self.masks.compared:
+            rows.append(["those of the recording, as in the film", decimals(self.masks.iou(), 3), decimals(self.masks.precision(), 3),
+                         decimals(self.masks.recall(), 3), self.masks.compared])
+        for name, report, kind in self.reports:
+            if kind == "masks":
+                *values, count = scores.mask_row(report)
+                rows.append([f"{escaped(scores.mask_label(report))} (<code>{escaped(name)}</code>)",
+                             *(decimals(value, 3) for value in values), count])
+        if rows:
+            parts.append(f"<h3>Masks</h3>{table(['masks', 'IoU', 'precision', 'recall', 'images'], rows, range(1, 5))}")
+            parts.append('<p class="note">Pixels of all images together. Precision: how much of what is marked moves. Recall: how '
+                         "much of what moves is marked. IoU: what is both over what is either, 1 where every pixel is "
+                         "right; without learned segmentation 0.3 to 0.5 is good.</p>")
+        for name, report, kind in self.reports:
+            rows = [[escaped(kind), int(count), decimals(recall, 0, 100), decimals(seen, 0, 100), decimals(position, 2),
+                     decimals(velocity, 2)] for kind, count, recall, seen, position, velocity in scores.object_rows(report)]
+            if rows:
+                head = ["moving objects", "annotated", "found (%)", "of those with returns (%)", "position off by (m)",
+                        "velocity off by (m/s)"]
+                parts.append(f"<h3>Objects</h3>{table(head, rows, range(1, 6))}")
+                parts.append('<p class="note">Annotated movers in each keyframe, and how many a track stands on, by radar: '
+                             "pedestrians return little, which the radar hears only close by.</p>")
+        if parts:
+            self.add("scores", f"Compared with the {truth}", *parts)
+
+    def next_steps(self):
+        content, steps = self.content, list(self.steps)
+        if not content.reference:
+            steps.append("Give a reference, so that errors are shown: `--reference TOPIC`, an odometry or twists of the same frame.")
+        if not self.film:
+            steps.append("Add a camera: `process_bag` with `camera:=NAME`, see docs/recordings.md.")
+        turned = [name for name, radar in sorted(content.health.radars.items()) if len(radar["series"])
+                  and abs(radar["series"].rows[-1, 5]) > max(0.005, 3 * radar["series"].rows[-1, 6])]
+        if turned:
+            steps.append(f"The mounts of {', '.join(turned)} seem to be turned: `calibrate_radars` finds by how much, see "
+                         "docs/calibration.md.")
+        if steps:
+            items = "".join(f"<li>{with_code(step)}</li>" for step in steps)
+            self.add("next", "What to try next", f"<ul>{items}</ul>")
 
     def surroundings(self):
         content = self.content
@@ -288,12 +378,14 @@ class Page:
         self.add("about", "About this report", *parts)
 
     def build(self):
-        for part in (self.motion, self.path, self.pictures, self.surroundings, self.radars, self.sweeps,
-                     self.diagnostics, self.latency, self.about):
+        for part in (self.pictures, self.motion, self.path, self.surroundings, self.six_panels, self.scores, self.radars,
+                     self.sweeps, self.diagnostics, self.latency, self.next_steps, self.about):
             part()
         motion = self.content.motion
         date = datetime.datetime.utcfromtimestamp(motion.start()).strftime("%Y-%m-%d %H:%M:%S UTC")
-        title = self.content.recording.title()
+        title = self.title
+        story = "".join(f"<tr><th>{escaped(label)}</th><td>{escaped(text)}</td></tr>" for label, text in self.summary)
+        story = story and f'<section class="story"><table>{story}</table></section>'
         links = "".join(f'<a href="#{anchor}">{escaped(name)}</a>' for anchor, name, _ in self.sections)
         body = "".join(f'<section id="{anchor}"><h2>{escaped(name)}</h2>{inner}</section>'
                        for anchor, name, inner in self.sections)
@@ -302,4 +394,4 @@ class Page:
                 f'<link rel="icon" href="data:,"><style>{CSS}</style></head><body><main><header><h1>{escaped(title)}</h1>'
                 f"<p>{escaped(date)}, times from there on; velocity in the frame "
                 f"<code>{escaped(motion.base_frame)}</code></p><nav>{links}</nav></header>"
-                f"{self.tiles()}{body}<footer>Made by radar_dot report.</footer></main></body></html>\n")
+                f"{story}{self.tiles()}{body}<footer>Made by radar_dot report.</footer></main></body></html>\n")

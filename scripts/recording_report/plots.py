@@ -49,36 +49,55 @@ def thinned(rows, most):
 
 
 def motion(content):
-    data = content.motion
-    drawn, axes = figure(3, 1, 7.2, sharex=True)
+    """Each component over time, and its error where there is a reference."""
+    data, names = content.motion, ("forward speed vx (m/s)", "sideslip vy (m/s)", "yaw rate (rad/s)")
+    compared = len(data.reference_twists) > 1
+    drawn, axes = figure(3, 1 + compared, 7.2, sharex=True,
+                         gridspec_kw={"width_ratios": (3, 2)[:1 + compared]})
     start = data.start()
-    for i, (axis, label) in enumerate(zip(axes[:, 0], ("forward speed vx (m/s)", "sideslip vy (m/s)",
-                                                       "yaw rate (rad/s)"))):
-        rows = thinned(np.column_stack([data.twists.times - start, data.twists.rows]), MOST_ROWS)
-        times, value, sigma = rows[:, 0], rows[:, 1 + i], rows[:, 4 + i]
-        seen = np.isfinite(sigma)
-        if len(data.raw_twists):
-            raw = thinned(np.column_stack([data.raw_twists.times - start, data.raw_twists.rows]), MOST_ROWS)
-            axis.plot(raw[:, 0], np.where(np.isfinite(raw[:, 4 + i]), raw[:, 1 + i], np.nan), ".", color=MUTED,
-                      markersize=4, label="one sweep alone")
-        band = 3 * np.where(seen, sigma, np.nan)
-        axis.fill_between(times, value - band, value + band, where=seen, color=ESTIMATE, alpha=0.18, linewidth=0,
-                          label=r"3 $\sigma$")
-        axis.plot(times, np.where(seen, value, np.nan), color=ESTIMATE, label="radar_dot")
-        if len(data.reference_twists) > 1:
-            axis.plot(times, data.reference_twists.at(times + start)[:, i], "--", color=REFERENCE, label="reference")
-        limit_to_estimate(axis, value, np.where(seen, sigma, np.nan))
-        axis.set_ylabel(label)
-    axes[0, 0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=4, borderaxespad=0.1)
+    rows = thinned(np.column_stack([data.twists.times - start, data.twists.rows]), MOST_ROWS)
+    raw = thinned(np.column_stack([data.raw_twists.times - start, data.raw_twists.rows]), MOST_ROWS)
+    truth, raw_truth = ((data.reference_twists.at(part[:, 0] + start) if compared else None) for part in (rows, raw))
+    for i, name in enumerate(names):
+        axis, times, value, sigma = axes[i, 0], rows[:, 0], rows[:, 1 + i], rows[:, 4 + i]
+        value = np.where(np.isfinite(sigma), value, np.nan)
+        raw_value = np.where(np.isfinite(raw[:, 4 + i]), raw[:, 1 + i], np.nan)
+        estimates(axis, raw[:, 0], raw_value, times, value, sigma)
+        if compared:
+            axis.plot(times, truth[:, i], "--", color=REFERENCE, label=content.reference_name)
+            error = value - truth[:, i]
+            estimates(axes[i, 1], raw[:, 0], raw_value - raw_truth[:, i], times, error, sigma, centre=0 * times)
+            axes[i, 1].axhline(0, color=REFERENCE, linestyle="--")
+            seen = error[np.isfinite(error)]
+            if len(seen):  # a jump of the reference must not flatten the rest
+                error = np.clip(error, *np.percentile(seen, (1, 99)))
+            limit_to_estimate(axes[i, 1], np.concatenate([error, 3.2 * sigma, -3.2 * sigma]), np.tile(sigma, 3))
+        limit_to_estimate(axis, value, sigma)
+        axis.set_ylabel(name)
+    if compared:
+        axes[0, 1].set_title(f"error against the {content.reference_name}")
+    axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=4, borderaxespad=0.1)
     axes[0, 0].set_xlim(0, data.duration())
-    axes[-1, 0].set_xlabel("time (s)")
+    for axis in axes[-1]:
+        axis.set_xlabel("time (s)")
     drawn.align_ylabels()
     return finished(drawn)
 
 
+def estimates(axis, raw_times, raw_values, times, values, sigma, centre=None):
+    """One component, with its band of three standard deviations around the values, or around the centre."""
+    seen = np.isfinite(sigma)
+    band, centre = 3 * np.where(seen, sigma, np.nan), values if centre is None else centre
+    if len(raw_times):
+        axis.plot(raw_times, raw_values, ".", color=MUTED, markersize=4, label="one sweep alone")
+    axis.fill_between(times, centre - band, centre + band, where=seen, color=ESTIMATE, alpha=0.18, linewidth=0,
+                      label=r"3 $\sigma$")
+    axis.plot(times, values, color=ESTIMATE, label="radar_dot")
+
+
 def limit_to_estimate(axis, values, sigma):
     """A few wide bands or stray sweeps must not flatten the rest."""
-    seen = np.isfinite(sigma)
+    seen = np.isfinite(sigma) & np.isfinite(values)
     if not seen.any():
         return
     room = 4 * np.median(sigma[seen]) + 0.05
@@ -92,7 +111,8 @@ def path(content):
     reference = content.motion.aligned_reference()
     axis.plot(*thinned(poses.rows[:, :2], MOST_ROWS).T, color=ESTIMATE, linewidth=2, label="odom")
     if reference:
-        axis.plot(*thinned(reference[0], MOST_ROWS).T, "--", color=REFERENCE, label="reference")
+        axis.plot(*thinned(reference[0], MOST_ROWS).T, "--", color=REFERENCE,
+                  label=content.reference_name)
     axis.plot(*poses.rows[0, :2], "o", color="white", markeredgecolor=ESTIMATE, markersize=8, label="start")
     axis.plot(*poses.rows[-1, :2], "s", color=ESTIMATE, markersize=7, label="end")
     square(axis, poses.rows[:, :2], "x (m)", "y (m)")

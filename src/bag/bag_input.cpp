@@ -26,7 +26,7 @@ std::unique_ptr<rosbag::Bag> opened(const fs::path& file) {
     bag->open(file.string(), rosbag::bagmode::Read);
   } catch (const rosbag::BagUnindexedException&) {
     throw std::runtime_error(
-        fmt::format("cannot read {}: its recording was not ended; `rosbag reindex {}` mends that",
+        fmt::format("cannot read {}: its recording was not ended; `rosbag reindex {}` repairs it",
                     file.string(), file.string()));
   } catch (const std::exception& exception) {
     throw std::runtime_error(fmt::format("cannot read {} as a bag: {}", file.string(), exception.what()));

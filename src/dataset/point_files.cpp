@@ -326,7 +326,7 @@ PointCloud readRadarPcd(const std::filesystem::path& file) {
 
 void writeRadarPcd(const std::filesystem::path& file, const std::vector<RadarRecord>& records) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  if (records.empty())  // what stands for a scan without returns in nuScenes
+  if (records.empty())  // the stand-in for a scan without returns in nuScenes
     return writeRadarPcd(file, {{kNan, kNan, kNan, 0, 0, kNan, kNan, kNan, kNan, kNan}});
   std::vector<pcl::PCLPointField> fields;
   pcl::for_each_type<pcl::traits::fieldList<RadarRecord>::type>(pcl::detail::FieldAdder<RadarRecord>(fields));

@@ -71,7 +71,7 @@ void DepthEvaluationOptions::describe(FieldList& fields) {
   fields.add("truth", truth, "What depth is compared with");
   fields.add("after", after, "Images of the first seconds of a scene do not count", "s", {0.0, 1000.0});
   fields.add("static_only", static_only,
-             "Pixels that move by themselves do not count; needs the ground truth of a simulated dataroot");
+             "Independently moving pixels do not count; needs the ground truth of a simulated dataroot");
   describeRadarChannels(radar_channels, fields);
   depth_input.describe(fields);
 }

@@ -13,7 +13,7 @@
 namespace radar_dot::evaluation {
 namespace {
 
-constexpr double kWithinSigma = 0.6827;  // share of normal errors within 1 sigma
+constexpr double kWithinSigma = 0.6827;  // fraction of normal errors within 1 sigma
 
 bool isDepth(float value) { return std::isfinite(value) && value > 0.0F; }
 

@@ -55,6 +55,7 @@ void addErrors(const EstimatedVelocity& estimate, const Eigen::Vector3d& truth, 
   };
   add(0, estimate.linear.x() - truth.x(), errors.vx, errors.normalised_vx);
   add(1, estimate.linear.y() - truth.y(), errors.vy, errors.normalised_vy);
+  errors.velocity.add((estimate.linear - truth).head<2>().norm());
   if (estimate.observed[5])
     add(5, estimate.angular.z() - true_yaw_rate, errors.yaw_rate, errors.normalised_yaw_rate);
 }

@@ -24,7 +24,7 @@ struct NoisyDepthParams {
 /// @throws std::invalid_argument for an image of another type, or invalid parameters.
 cv::Mat noisyDepth(const cv::Mat& true_depth, const NoisyDepthParams& params, std::uint64_t seed);
 
-/// 1 sigma of the inverse of a noisy depth, share of it, by its true model: relative_std (depth /
+/// 1 sigma of the inverse of a noisy depth, relative, by its true model: relative_std (depth /
 /// kReferenceDepth)^growth. Edges that bleed err more. CV_32FC1, NaN where the true or the noisy depth is
 /// unknown. @param true_depth, noisy_depth  CV_32FC1, m, of one size
 /// @throws std::invalid_argument for other images

@@ -11,7 +11,7 @@ namespace radar_dot::evaluation {
 namespace {
 
 constexpr double kExtrapolationBase = 0.25;  // s, so that the jitter of single poses does not matter
-constexpr double kMinDistance = 10.0;        // m, below which a share of the distance means nothing
+constexpr double kMinDistance = 10.0;        // m, below which a fraction of the distance means nothing
 
 double yawOf(const Eigen::Isometry3d& T) { return std::atan2(T.linear()(1, 0), T.linear()(0, 0)); }
 

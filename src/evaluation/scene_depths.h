@@ -60,7 +60,7 @@ class SceneDepths {
   const cv::Mat& imageOf(dataset::Index row);
   /// Depth by the backend of the source, m.
   const cv::Mat& depthOf(dataset::Index row);
-  /// 1 sigma of its inverse, share of it, as the backend declares it (see DepthEvaluationOptions::depth).
+  /// 1 sigma of its inverse, relative, as the backend declares it (see DepthEvaluationOptions::depth).
   cv::Mat relativeStdOf(dataset::Index row);
   /// The true one of a simulated dataroot, m.
   const cv::Mat& trueDepth(dataset::Index row);
@@ -71,7 +71,7 @@ class SceneDepths {
   cv::Mat heldOutDepth(dataset::Index row) const;
 
  protected:
-  /// How an image follows from the one before, for depth that needs it; none where that is not known.
+  /// How an image follows from the previous one, for depth that needs it; none where that is not known.
   virtual std::optional<MotionDepthInput::Step> stepTo(dataset::Index /*previous*/, dataset::Index /*row*/) {
     return std::nullopt;
   }

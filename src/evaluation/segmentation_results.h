@@ -23,7 +23,7 @@ enum class Variants {
   /// "paper", "+ uncertainty", "+ refinement", "+ radar evidence", "+ look back", "+ memory", in this order:
   /// the paper's score without radar in the mask; the score by uncertainty, with forward and backward flow as
   /// its noise; the motion refined by the image; radar returns that move the threshold, with the gains of the
-  /// options, or their defaults where those are 0; the previous pair; and what the mask before said. The last
+  /// options, or their defaults where those are 0; the previous pair; the previous mask. The last
   /// two are left out for flow that is no backend's. Everything else is as in the options. Masks are saved
   /// in folders "paper", "uncertainty", "refinement", "radar_evidence", "look_back" and "memory".
   kAblation

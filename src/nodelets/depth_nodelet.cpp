@@ -25,7 +25,7 @@ std::unique_ptr<DepthEstimator> estimatorOf(const DepthParams& params) {
               makeDepthEstimator);
 }
 
-/// What is no depth becomes NaN. @return share of the pixels that is known
+/// What is no depth becomes NaN. @return fraction of known pixels
 double clean(cv::Mat& depth, double max_depth) {
   std::size_t known = 0;
   for (int row = 0; row < depth.rows; ++row) {

@@ -32,7 +32,7 @@ constexpr double kStartTimeout = 5.0;  // s, wall time
 // Frames that wait for their mount; more are names that vary from message to message.
 constexpr std::size_t kMaxMissingMounts = 100;
 
-// A larger share of returns that are not finite is worth a warning.
+// A larger fraction of returns that are not finite is worth a warning.
 constexpr double kMaxShareNotFinite = 0.5;
 
 constexpr std::size_t kSweepsBeforeAssessment = 20;
@@ -390,7 +390,7 @@ void EgoVelocityNodelet::assessMountsOnce() {
   std::vector<Eigen::Isometry3d> mounts;
   for (const std::unique_ptr<Radar>& radar : radars_)
     if (radar->mount) mounts.push_back(*radar->mount);
-  // Radars that stay silent are no reason to wait for ever: those at hand are assessed after a second.
+  // Radars that stay silent are no reason to wait forever: those at hand are assessed after a second.
   if (mounts.size() < radars_.size() && sweeps_ < kSweepsBeforeAssessment) return;
   mounts_assessed_ = true;
   mount_advice_ = assessMounts(mounts, config_.estimator).advice;

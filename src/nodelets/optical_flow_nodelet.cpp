@@ -86,7 +86,7 @@ void OpticalFlowNodelet::onImage(LazyImage picture) {
   if (current->repeats(*before) && !stands(current->header().stamp)) {
     ++repeated_;
     ++repeated_since_report_;
-    warn("repeated", "images on '" + image_->topic() + "' repeat the one before under a new stamp; left out");
+    warn("repeated", "images on '" + image_->topic() + "' repeat the previous one under a new stamp");
     return;
   }
   const double interval = current->header().stamp.toSec() - before->header().stamp.toSec();
@@ -222,11 +222,11 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
                            interval_, nameOf(config_, config_.max_pair_gap), config_.max_pair_gap);
     }
     if (repeated_since_report_ > 0) {
-      status.mergeSummaryf(DiagnosticStatus::ERROR, "the last %zu images repeat the one before",
+      status.mergeSummaryf(DiagnosticStatus::ERROR, "the last %zu images repeat the previous one",
                            repeated_since_report_);
     }
   } else if (repeated_since_report_ > 0) {
-    status.summaryf(DiagnosticStatus::WARN, "%zu images repeat the one before, and are left out",
+    status.summaryf(DiagnosticStatus::WARN, "%zu images repeat the previous one, and are left out",
                     repeated_since_report_);
   } else if (without_start_ > 0) {
     status.summaryf(DiagnosticStatus::WARN, "%zu pairs without an initial flow", without_start_);

@@ -19,7 +19,7 @@
 
 namespace radar_dot {
 
-/// Pictures for people: the mask over the image, and the paper's six panels.
+/// Visualisation on demand: the mask over the image, and the paper's six panels.
 ///
 /// Listens to its inputs only while a picture has subscribers. A mask waits for what belongs to its stamp;
 /// what has not come in time is missing in the picture.

@@ -266,7 +266,7 @@ void EgoVelocityEstimator::Workspace::setCovariance(const ParameterMatrix& inver
   const int rank = active.parameters;
   const int free = model.count - rank;
   ParameterMatrix scaled = basis;
-  double least = 1.0;  // share of a free axis in the free directions
+  double least = 1.0;  // fraction of a free axis in the free directions
   for (int i = 0; i < model.count; ++i) {
     const double share = basis.row(i).segment(rank, free).squaredNorm();
     if (share > 0.0) least = std::min(least, share);

@@ -50,7 +50,7 @@ constexpr double kNameAfter = 3.0, kNameBothAfter = 7.0;
 // What is known of velocity and yaw rate apart from the returns.
 constexpr double kPriorStd[] = {10.0, 10.0, 3.0};  // m/s, m/s, rad/s
 
-// Nobody reverses like this.
+// No car reverses like this.
 constexpr double kBackwardsSpeed = 5.0, kForwardSpeed = 2.0;  // m/s
 constexpr double kBackwardsTime = 8.0;                        // s
 
@@ -144,7 +144,7 @@ void RadarAgreement::look(double dt, const std::vector<RadarScan>& scans, const 
   for (Eigen::Index i = 0; i < 3; ++i) equations.xx(i, i) += 1.0 / (kPriorStd[i] * kPriorStd[i]);
   if (params.model == MotionModel::kAckermann)
     equations.xx(1, 1) += 1.0 / (params.sideslip_std * params.sideslip_std);
-  // Where the model has no yaw rate, nobody turns late bearings to where they belong (bearing_rotation).
+  // Where the model has no yaw rate, nothing turns late bearings to where they belong (bearing_rotation).
   const double change = equations.xx.ldlt().solve(equations.x)[2];
   if (result.angular.z() == 0.0 && std::abs(change) > kStraight) return;
   learnYaws(equations, decay);

@@ -69,7 +69,7 @@ void NodeletGraph::record(const std::string& topic,
 
 std::vector<std::string> NodeletGraph::start() {
   advanceTo(begin_ - ros::Duration(0, 1));
-  // Nobody outside this process takes part, and nothing is delivered but by drain().
+  // Nothing outside this process takes part, and nothing is delivered but by drain().
   ros::PollManager::instance()->shutdown();
   ros::V_string topics;
   ros::this_node::getSubscribedTopics(topics);

@@ -40,7 +40,7 @@ class NodeletGraph {
 
   /// Topics that the nodelets publish, with their types.
   const std::map<std::string, std::string>& outputs() const noexcept { return outputs_; }
-  /// Has the messages of an output given to `body`; who has no audience computes nothing.
+  /// Has the messages of an output given to `body`; without subscribers nothing is computed.
   void record(const std::string& topic,
               const std::function<void(const ros::MessageEvent<const Output>&)>& body);
   /// Ends the set-up, in the time until `begin`. @return topics that the nodelets listen to

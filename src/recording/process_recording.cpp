@@ -48,6 +48,7 @@ struct Arguments {
   radar_dot::bag::BagSelection selection;
   std::vector<std::string> topics;
   bool pictures = true;
+  bool six_panel = false;
   bool copy = true;
   radar_dot::bag::Compression compression = radar_dot::bag::Compression::kLz4;
   bool force = false;
@@ -63,6 +64,7 @@ struct Arguments {
                "Outputs to write, e.g. ego/twist,dynamic/mask; empty: all but intermediate images; all: all "
                "of them");
     fields.add("pictures", pictures, "Write overlay/mask as JPEG, where topics is empty");
+    fields.add("six_panel", six_panel, "Write overlay/six_panel as JPEG, where topics is empty");
     fields.add("copy", copy, "Copy the inputs as well, except images and clouds");
     fields.add("compression", compression, "Compression of the bag");
     fields.add("force", force, "Overwrite a bag that exists");
@@ -193,11 +195,12 @@ class Processing {
     }();
     const bool all = asked.count("all") > 0;
     for (const auto& [topic, type] : graph_.outputs()) {
-      const bool is_picture = asked.empty() && endsWith(topic, "/overlay/mask");
+      const bool is_picture =
+          asked.empty() && (endsWith(topic, "/overlay/mask") || endsWith(topic, "/overlay/six_panel"));
       bool wanted = asked.count(topic) > 0;
       if (all) wanted = !isHousekeeping(type) && type != "sensor_msgs/CompressedImage";
       if (asked.empty()) {
-        wanted = is_picture ? arguments_.pictures
+        wanted = is_picture ? (endsWith(topic, "mask") ? arguments_.pictures : arguments_.six_panel)
                             : !isHousekeeping(type) &&
                                   (!isBulky(type) || endsWith(topic, "/dynamic/mask") ||
                                    endsWith(topic, "radar/static") || endsWith(topic, "radar/dynamic"));
@@ -252,7 +255,7 @@ class Processing {
         topics.push_back(topic);
     }
     if (!ours.empty()) {
-      std::fputs(fmt::format("the recording's own {} {} left out: the nodelets publish them anew\n",
+      std::fputs(fmt::format("the recording's own {} {} left out: the nodelets publish them again\n",
                              fmt::join(ours, ", "), ours.size() == 1 ? "is" : "are")
                      .c_str(),
                  stderr);

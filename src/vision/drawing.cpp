@@ -27,7 +27,7 @@ constexpr int kDepthSteps = 4096;
 constexpr int kResidualSteps = 4096;
 const cv::Scalar kStatic(70, 230, 60);
 const cv::Scalar kDynamic(40, 40, 255);
-// Magenta: what stands in a street is seldom of that colour.
+// Magenta: few things in a street have that colour.
 const cv::Vec3i kMask(230, 20, 255);
 const cv::Scalar kContour(255, 110, 255);
 

@@ -116,7 +116,7 @@ class LidarDepth : public DepthEstimator {
   }
 
  private:
-  /// The median keeps edges, and takes off what stands out; the unknown stays unknown.
+  /// The median keeps edges, and removes outliers; the unknown stays unknown.
   static cv::Mat smoothed(const cv::Mat& inverse) {
     cv::Mat smooth;
     cv::medianBlur(inverse, smooth, 5);

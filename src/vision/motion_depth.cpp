@@ -237,7 +237,7 @@ void MotionDepthParams::describe(FieldList& fields) {
   fields.add("motion_fb_error_weight", fb_error_weight,
              "In addition, as a fraction of the forward-backward error", "", {0.0, 10.0});
   fields.add("motion_max_fb_error", max_fb_error,
-             "Forward-backward error from which on a pixel starts anew, px of the grid", "px", {0.0, 1000.0});
+             "Forward-backward error from which on a pixel is reset, px of the grid", "px", {0.0, 1000.0});
   fields.add("motion_max_fb_error_relative", max_fb_error_relative,
              "In addition, as a fraction of the length of the flow", "", {0.0, 10.0});
   fields.add("motion_growth", growth,
@@ -258,7 +258,7 @@ bool MotionDepth::follows(const MotionDepthInput& input) const {
          state_->rho.size() == input.prior_depth.size();
 }
 
-/// The state of the image before at the pixels of this one; where it does not reach, the prior.
+/// The state of the previous image at the pixels of this one; where it does not reach, the prior.
 MotionDepth::State MotionDepth::predicted(const MotionDepthInput& input, bool moved) {
   const cv::Size size = input.prior_depth.size();
   State state = std::move(spare_);

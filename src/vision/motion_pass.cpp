@@ -117,7 +117,7 @@ RADAR_DOT_VECTORISED void scoreBlock(const PassConstants& pass, int count, const
   }
 }
 
-/// The optional images of the score by uncertainty, or what stands for them.
+/// The optional images of the score by uncertainty, or their placeholders.
 void readNoise(const PassConstants& pass, int count, const float* closures, const float* textures,
                const float* depth_stds, PixelBlock& block) {
   const auto end = [count](auto& values) { return values.begin() + count; };

@@ -23,7 +23,7 @@ using Vector8 = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix8 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Jacobian = Eigen::Matrix<double, 2, kUnknowns>;
 
-constexpr double kSameDepth = 0.01;  // share of the depth within which a pixel shows the plane
+constexpr double kSameDepth = 0.01;  // fraction of the depth within which a pixel shows the plane
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kLeastPixels = 50;
 constexpr double kMedianOfChiSquare = 1.3863;  // 2 degrees of freedom
@@ -34,7 +34,7 @@ struct Pixel {
   double u = 0.0, v = 0.0;
   Eigen::Vector2d target = Eigen::Vector2d::Zero();  // where its flow leads
   double flow_variance = 0.0;                        // px^2 of the grid
-  double rho = 0.0, rho_std = 0.0;                   // 1/m; share of it
+  double rho = 0.0, rho_std = 0.0;                   // 1/m; relative
   bool is_ground = false;
 };
 

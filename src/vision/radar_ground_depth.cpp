@@ -135,7 +135,7 @@ class RadarGroundDepth : public DepthEstimator {
   /// What is seen of ground, background and columns.
   struct Layers {
     cv::Mat depth;  // m
-    cv::Mat stds;   // of the inverse depth, share of it; empty where they are not wanted
+    cv::Mat stds;   // of the inverse depth, relative; empty where they are not wanted
 
     /// One pixel of a surface with this depth, where nothing nearer is known.
     struct Row {

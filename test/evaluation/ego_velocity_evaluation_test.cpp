@@ -228,13 +228,18 @@ TEST_F(Evaluation, JsonHasTheDocumentedKeys) {
   ASSERT_FALSE(json.HasParseError());
   for (const std::string path :
        {"mae/B1", "mae/A1", "mae/B2", "mae/A2", "models/planar_yaw/vx_mae", "models/planar_yaw/vy_mae",
-        "models/planar_yaw/yaw_rate_mae", "causal/single/yaw_rate_mae", "causal/filter/yaw_rate_mae",
-        "trajectory/gt_heading/ate_rmse", "trajectory/own_heading/drift_percent", "dynamic/precision",
-        "dynamic/recall", "dynamic/f1", "dynamic/f1_70m"}) {
+        "models/planar_yaw/velocity_mae", "models/planar_yaw/yaw_rate_mae", "causal/single/yaw_rate_mae",
+        "causal/filter/velocity_mae", "causal/filter/yaw_rate_mae", "trajectory/gt_heading/ate_rmse",
+        "trajectory/own_heading/drift_percent", "dynamic/precision", "dynamic/recall", "dynamic/f1",
+        "dynamic/f1_70m"}) {
     const rapidjson::Value* value = rapidjson::Pointer(("/overall/" + path).c_str()).Get(json);
     EXPECT_TRUE(value != nullptr && value->IsNumber()) << path;
   }
-  EXPECT_TRUE(json["overall"]["models"]["planar"]["yaw_rate_mae"].IsNull());
+  const rapidjson::Value& planar = json["overall"]["models"]["planar"];
+  EXPECT_TRUE(planar["yaw_rate_mae"].IsNull());
+  EXPECT_GT(planar["vy_mae"].GetDouble(), 0.1) << "there is no yaw rate in it, and the scene turns";
+  EXPECT_GT(planar["velocity_mae"].GetDouble(), planar["vy_mae"].GetDouble());
+  EXPECT_LT(planar["velocity_mae"].GetDouble(), planar["vx_mae"].GetDouble() + planar["vy_mae"].GetDouble());
 }
 
 class RealData : public ::testing::Test {

@@ -160,8 +160,8 @@ TEST_F(ImageInputs, PairsReachAcrossImagesThatRepeat) {
   const Recorder<Flow> before(handle_, "raw_flow/flow"), expected(handle_, "expected_flow/flow");
   ASSERT_TRUE(before.grows() && expected.grows());
   camera_.set(Repeating());
-  EXPECT_TRUE(diagnostics_.says("raw_flow: flow", DiagnosticStatus::WARN, "repeat the one before"));
-  EXPECT_TRUE(diagnostics_.says("expected_flow: flow", DiagnosticStatus::WARN, "repeat the one before"));
+  EXPECT_TRUE(diagnostics_.says("raw_flow: flow", DiagnosticStatus::WARN, "repeat the previous one"));
+  EXPECT_TRUE(diagnostics_.says("expected_flow: flow", DiagnosticStatus::WARN, "repeat the previous one"));
   const Recorder<Flow> flows(handle_, "raw_flow/flow");
   ASSERT_TRUE(flows.grows(9));
   for (const auto& flow : flows.messages())

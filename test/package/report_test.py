@@ -29,7 +29,7 @@ from tf2_msgs.msg import TFMessage
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
 sys.path.insert(0, SCRIPTS)
-from recording_report import extraction, film, page  # noqa: E402
+from recording_report import extraction, film, masks, page, scores, velocity_chart  # noqa: E402
 from recording_report.recording import Recording, ReportError  # noqa: E402
 
 START, COUNT, PERIOD = 1700000000.0, 101, 0.1  # s, twists, s
@@ -88,8 +88,35 @@ def mask():
     return Image(height=450, width=800, encoding="mono8", step=800, data=pixels.tobytes())
 
 
+def true_mask(stream):
+    """All but the left quarter: two thirds of it are masked."""
+    pixels = np.zeros((450, 800), np.uint8)
+    pixels[:, 200:] = 255
+    Picture.fromarray(pixels).save(stream, "PNG")
+
+
+def compressed_truth():
+    stream = io.BytesIO()
+    true_mask(stream)
+    return CompressedImage(format="png", data=stream.getvalue())
+
+
+VELOCITY = {"mae": {"A1": 0.3, "A2": 0.41, "B1": 0.5, "B2": None},
+            "causal": {"filter": {"velocity_mae": 0.03, "vx_mae": 0.02, "vy_mae": 0.01, "yaw_rate_mae": 0.004}},
+            "models": {"planar_yaw": {"velocity_mae": 0.05, "vx_mae": 0.04, "vy_mae": 0.02, "yaw_rate_mae": 0.009}}}
+SCORES = {  # by the file: reports of evaluate_ego_velocity, evaluate_segmentation and evaluate_bag
+    "velocity.json": {"scenes": [{"scene": "one", **VELOCITY}], "overall": VELOCITY},
+    "paper.json": {"parameters": {"options": {"pairs": "keyframes"}, "dynamic_segmentation": {"score": "paper"}},
+                   "scenes": [], "overall": {"iou": 0.25, "precision": 0.5, "recall": 0.3, "frames": 20}},
+    "recording.json": {"scenes": [], "overall": {"compared": 5, "objects": {
+        "movers_vehicle": 10, "recall_vehicle": 0.8, "recall_of_seen_vehicle": 0.9, "position_mae_vehicle": 1.5,
+        "velocity_mae_vehicle": 0.5, "movers_cycle": 0}}},
+}
+
+
 def write_bag(path):
-    """Driven at 4 to 6 m/s, 50 m ahead; the reference is 0.1 m/s slower, turned by 90 degrees, and ends 0.5 m short."""
+    """Driven at 4 to 6 m/s, 50 m ahead; the truth is 0.1 m/s slower, turned by 90 degrees, and ends 0.5 m short. Every
+    second image has a true mask."""
     with rosbag.Bag(path, "w") as bag:
         def write(topic, message, age=AGE):
             bag.write(topic, message, message.header.stamp + rospy.Duration.from_sec(age))
@@ -117,6 +144,10 @@ def write_bag(path):
             if i % 2 == 0:
                 write("/cam/image/compressed", stamped(CompressedImage(format="jpeg", data=jpeg((20, 90, 20))), time, "cam"))
                 write("/dynamic/mask", stamped(mask(), time, "cam"), 0.2)
+                if i % 4 == 0:
+                    write(masks.TRUTH, stamped(compressed_truth(), time, "cam"))
+                    write("/overlay/six_panel/compressed", stamped(CompressedImage(format="jpeg", data=jpeg((9, 9, 90))),
+                                                                   time, "cam"), 0.3)
 
 
 class Parsed(html.parser.HTMLParser):
@@ -159,7 +190,15 @@ class ReportTest(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.bag, cls.path = (os.path.join(cls.folder.name, name) for name in ("a <drive>.bag", "report.html"))
         write_bag(cls.bag)
-        subprocess.run([sys.executable, os.path.join(SCRIPTS, "report"), cls.bag, "--output", cls.path], check=True)
+        files = []
+        for name, report in SCORES.items():
+            files.append(os.path.join(cls.folder.name, name))
+            with open(files[-1], "w", encoding="utf-8") as file:
+                json.dump(report, file)
+        cls.story = subprocess.run(
+            [sys.executable, os.path.join(SCRIPTS, "report"), cls.bag, "--output", cls.path, "--title", "A <drive>", "--about",
+             "simulated bend: to the <left>", "--next", "Say `more` <b>", "--scores", *files], check=True,
+            stdout=subprocess.PIPE, encoding="utf-8").stdout
         with open(cls.path, encoding="utf-8") as file:
             cls.text = file.read()
         cls.parsed = Parsed(cls.text)
@@ -175,14 +214,19 @@ class ReportTest(unittest.TestCase):
         for tag, source in self.parsed.sources:
             self.assertRegex(source, r"^(#[a-z]+$|data:)", tag)
         self.assertNotRegex(self.text, r"@import|url\(|https?://|file:")
-        self.assertNotIn("<drive>", self.text)  # escaped
+        for text in ("<drive>", "<left>", " <b>"):
+            self.assertNotIn(text, self.text)  # escaped
 
     def test_plots_decode(self):
         plots = [source for tag, source in self.parsed.sources if tag == "img"]
-        self.assertEqual(len(plots), 8)  # motion, path, map, snapshot, radars, residuals, sweeps, ages
+        kinds = [content_of(plot)[0] for plot in plots]
+        self.assertEqual(kinds.count("image/jpeg"), 1)  # the six panels
+        # motion, path, map, snapshot, velocity, radars, residuals, sweeps, ages
+        self.assertEqual(kinds.count("image/svg+xml"), 9)
         for plot in plots:
             kind, content = content_of(plot)
-            self.assertEqual(kind, "image/svg+xml")
+            if kind == "image/jpeg":
+                continue
             for element in xml.etree.ElementTree.fromstring(content).iter():
                 for key, value in element.attrib.items():
                     if key.endswith("href"):
@@ -202,6 +246,63 @@ class ReportTest(unittest.TestCase):
         self.assertEqual(self.row("yaw rate (rad/s)")[1:], ["0.0000", "0.0000", "0.0000", "100.0"])
         self.assertFalse([row for row in self.parsed.rows if row[0] == "vy (m/s)"])
         self.assertIn("0.50 m apart after 50.0 m", self.text)
+
+    def test_the_story(self):
+        """The lines of the terminal, which the page has at its top."""
+        lines = dict(line.split(":", 1) for line in self.story.splitlines())
+        lines = {key: value.strip() for key, value in lines.items()}
+        self.assertEqual(lines["simulated"], "bend: to the <left>; 50 m in 10.0 s")
+        self.assertEqual(lines["estimated"], "101 velocities out of 101 radar sweeps, 51 masks of moving pixels, 1 tracked objects")
+        self.assertEqual(lines["forward speed"], "wrong by 0.100 m/s on average, at a mean speed of 5.0 m/s")
+        self.assertEqual(lines["drift"], "1.00 % of the way: 0.50 m off after 50 m")
+        self.assertEqual(lines["masks"], "IoU 0.67 with the true masks of 26 images (precision 1.00, recall 0.67)")
+        self.assertEqual(lines["comparison"], "velocity off by 0.030 m/s, by the paper's planar estimators 0.300 m/s at best")
+        self.assertEqual(list(lines)[-1], "report")
+        for label, text in lines.items():
+            if label != "report":
+                self.assertEqual(self.row(label)[1], text)
+        self.assertIn("<li>Say <code>more</code> &lt;b&gt;</li>", self.text)
+
+    def test_scores(self):
+        self.assertEqual(self.row("radar_dot: filtered")[1:], ["0.030", "0.020", "0.010", "0.004"])
+        self.assertEqual(self.row("A1: static returns")[1:], ["0.300", "–", "–", "–"])
+        self.assertFalse([row for row in self.parsed.rows if row[0].startswith("B2")])
+        self.assertEqual(self.row("those of the recording, as in the film")[1:], ["0.667", "1.000", "0.667", "26"])
+        self.assertEqual(self.row("pairs of keyframes, the paper's score (paper.json)")[1:], ["0.250", "0.500", "0.300", "20"])
+        self.assertEqual(self.row("vehicle")[1:], ["10", "80", "90", "1.50", "0.50"])
+        for text, wanted in (("{}", "overall"), ("[]", "TypeError"), ("{", "Decode"), ('{"overall": {}}', "neither models")):
+            path = os.path.join(self.folder.name, "no_report.json")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+            with self.assertRaisesRegex(ReportError, f"--scores: .*no_report.json: not a JSON report of.*{wanted}"):
+                scores.load([path])
+
+    def test_the_chart_names_the_package_first_and_hides_nothing(self):
+        """The legend is beside the bars, whatever their number."""
+        for count in (1, 2, 7, 40):
+            report = {"scenes": [{"scene": f"scene-{i:04}", **VELOCITY} for i in range(count)], "overall": VELOCITY}
+            drawn = velocity_chart.draw(velocity_chart.rows_of(report))
+            drawn.canvas.draw()
+            (axes,) = drawn.axes
+            legend = axes.get_legend()
+            self.assertEqual([text.get_text().split(":")[0] for text in legend.get_texts()],
+                             ["radar_dot", "radar_dot", "A2", "A1", "B2", "B1"])
+            box = legend.get_window_extent()
+            self.assertGreaterEqual(box.x0, axes.get_window_extent().x1 - 1)
+            self.assertLessEqual(box.x1, drawn.bbox.x1 + 1)
+            velocity_chart.plt.close(drawn)
+
+    def test_true_masks_of_a_folder(self):
+        folder = os.path.join(self.folder.name, "truth")
+        os.mkdir(folder)
+        with self.assertRaisesRegex(ReportError, "--true-masks: .*truth: no file is named"):
+            masks.TrueMasks(None, folder)
+        true_mask(os.path.join(folder, f"drive__CAM_FRONT__{round(1e6 * START)}.png"))
+        truth = masks.TrueMasks(None, folder)
+        self.assertTrue(truth.has(START))
+        self.assertFalse(truth.has(START + 0.2))
+        self.assertAlmostEqual(np.asarray(truth.at(START)).mean() / 255, 0.75)
+        self.assertEqual(masks.MaskScore(Recording([self.bag]), truth).compared, 1)
 
     def test_tables(self):
         self.assertEqual(self.row("front"), ["front", "radar", "10.0", "40", "30", "80", "0.050", "12.3 ± 2.1", "10.0 ± 1.0"])
@@ -223,6 +324,21 @@ class ReportTest(unittest.TestCase):
         kind, content = content_of(source)
         self.assertEqual((kind, content[4:8]), ("video/mp4", b"ftyp"))
         self.assertIn("51 frames of <code>/cam/image/compressed and /dynamic/mask</code>", self.text)
+        self.assertIn("in each of 26 annotated images, which stays until the next one", self.text)
+
+    def test_the_truth_is_beside_the_mask(self):
+        recording = Recording([self.bag])
+        truth = masks.TrueMasks(recording)
+        stamps = [START, START + 0.2]  # the second has no truth of its own
+        frames = film.frames_of(recording, "/cam/image/compressed", stamps, film.read_masks(recording, stamps))
+        frames = [np.asarray(frame).astype(int) for _, frame in film.beside_truth(
+            frames, recording, "/cam/image/compressed", stamps[:1], truth)]
+        self.assertEqual(len(frames), 2)
+        for frame in frames:
+            self.assertEqual(frame.shape, (360, 1280, 3))
+            for x, channel in ((160, 1), (480, 0), (640 + 80, 1), (640 + 480, 1)):  # plain, magenta, plain, green
+                self.assertEqual(np.argmax(frame[180, x]), channel)
+            self.assertGreater(frame[180, 640 + 480, 1], frame[180, 640 + 80, 1] + 20)
 
     def test_strip_without_ffmpeg(self):
         which, film.shutil.which = film.shutil.which, lambda name: None
@@ -283,18 +399,18 @@ class ReportTest(unittest.TestCase):
             file.write(self.text.replace("<head>", "<head>" + probe, 1))
         done = subprocess.run(
             [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",
-             f"--user-data-dir={self.folder.name}/profile", "--window-size=1200,900", "--timeout=20000", "--dump-dom",
-             "file://" + copy], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120, encoding="utf-8")
-        self.assertIn("RESULT", done.stdout, done.stderr[-2000:])
+             f"--user-data-dir={self.folder.name}/profile", "--window-size=1200,900", "--timeout=120000", "--dump-dom",
+             "file://" + copy], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=240, encoding="utf-8")
+        self.assertTrue("RESULT" in done.stdout, done.stderr[-2000:])
         result = json.loads(done.stdout.split("RESULT")[1].split("END")[0])
         self.assertEqual(result["errors"], [])
         self.assertNotIn("CONSOLE", done.stderr)
-        self.assertEqual(len(result["images"]), 8 if shutil.which("ffmpeg") else 9)
+        self.assertEqual(len(result["images"]), 10 if shutil.which("ffmpeg") else 11)
         self.assertTrue(all(width > 0 for width in result["images"]), result["images"])
         self.assertLessEqual(result["wide"], 0)  # nothing to scroll sideways
         if shutil.which("ffmpeg"):
             ((width, height, duration),) = result["films"]
-            self.assertEqual((width, height), (640, 360))
+            self.assertEqual((width, height), (1280, 360))
             self.assertAlmostEqual(duration, 10.2, delta=0.3)
 
 

@@ -52,7 +52,7 @@ class ProcessBagTest(unittest.TestCase):
                                "--output", cls.folder, "--quiet"])
         cls.drive = next(os.path.join(cls.folder, name) for name in os.listdir(cls.folder) if name.endswith(".bag"))
         cls.output = cls.path("out.bag")
-        cls.text = cls.process(cls.drive, "--output", cls.output)
+        cls.text = cls.process(cls.drive, "--output", cls.output, "--six-panel")
 
     @classmethod
     def tearDownClass(cls):
@@ -89,11 +89,11 @@ class ProcessBagTest(unittest.TestCase):
     def test_every_output_has_the_stamps_of_its_inputs(self):
         inputs = messages(self.drive, "/radar_front", IMAGES[0])
         outputs = messages(self.output, "/ego/twist", "/ego/status", "/odom", "/dynamic/mask", "/dynamic/objects",
-                           "/radar/static", "/overlay/mask/compressed")
+                           "/radar/static", "/overlay/mask/compressed", "/overlay/six_panel/compressed")
         scans = {stamp for topic in RADARS for stamp in messages(self.drive, topic)[topic]}
         images = sorted(inputs[IMAGES[0]])
         for topic, found in outputs.items():
-            stamps = images if topic in ("/dynamic/mask", "/overlay/mask/compressed") else scans
+            stamps = images if topic == "/dynamic/mask" or topic.startswith("/overlay") else scans
             self.assertTrue(found, topic)
             self.assertLessEqual(set(found), set(stamps), topic)
         # The first image has none before it; look_back starts with the second pair, but gives each a mask.
@@ -116,7 +116,7 @@ class ProcessBagTest(unittest.TestCase):
 
     def test_the_same_recording_gives_the_same_bytes(self):
         again = self.path("again.bag")
-        self.process(self.drive, "--output", again)
+        self.process(self.drive, "--output", again, "--six-panel")
         with open(self.output, "rb") as first, open(again, "rb") as second:
             self.assertEqual(first.read(), second.read())
 

@@ -14,7 +14,7 @@ struct StampedTwist {
   double time = 0.0;                                  ///< s
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s, of the origin
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s
-  /// Of [linear, angular], (m/s)^2 and (rad/s)^2; zero where nobody asks.
+  /// Of [linear, angular], (m/s)^2 and (rad/s)^2; zero where not requested.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 
   /// @param axis  of vx vy vz wx wy wz

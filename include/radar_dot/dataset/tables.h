@@ -23,7 +23,7 @@
 namespace radar_dot::dataset {
 
 /// Anything wrong with a dataset's files. The message is one line with file, record and field, and
-/// how to mend it.
+/// how to correct it.
 class DatasetError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

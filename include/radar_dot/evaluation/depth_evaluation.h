@@ -46,7 +46,7 @@ struct DepthReport {
   std::size_t without_truth = 0;  ///< on disk, but without a lidar sweep within 0.1 s, with truth "lidar"
   DepthErrors errors;
 
-  /// "mae", "rmse" (m), "coverage" (share of the true pixels) and counts within 50, 70 and 80 m;
+  /// "mae", "rmse" (m), "coverage" (fraction of the true pixels) and counts within 50, 70 and 80 m;
   /// "sigma_median" and "sigma_68" (quantiles of NormalisedErrors).
   void describe(Figures& figures);
 };

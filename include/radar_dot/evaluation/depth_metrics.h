@@ -42,13 +42,13 @@ struct DepthErrors {
 
     double meanAbsoluteError() const;     ///< m; NaN where nothing was compared
     double rootMeanSquaredError() const;  ///< m; NaN where nothing was compared
-    double coverage() const;              ///< estimated share of the true pixels; NaN where there are none
+    double coverage() const;              ///< estimated fraction of the true pixels; NaN where there are none
     void describe(Figures& figures);
   };
   std::array<Sums, kLimits.size()> within;  ///< one per limit, a pixel counting in all it is within
   NormalisedErrors normalised;              ///< of what was compared within the last limit
 
-  /// Adds one picture. @param relative_std  1 sigma of the estimate's inverse depth, share of it; empty: not
+  /// Adds one image. @param relative_std  1 sigma of the estimate's inverse depth, relative; empty: not
   /// declared. @throws std::invalid_argument unless all are CV_32FC1 and of one size.
   void add(const cv::Mat& estimate, const cv::Mat& truth, const cv::Mat& relative_std = {});
   void describe(Figures& figures);

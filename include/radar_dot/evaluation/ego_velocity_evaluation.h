@@ -50,6 +50,7 @@ inline constexpr std::array<const char*, 5> kVariants = {"B1", "A1", "B2", "A2",
 /// Errors of one motion model against the displacement of the true poses.
 struct ModelErrors {
   Mean vx, vy;    ///< m/s, absolute
+  Mean velocity;  ///< m/s, length of the error in the plane: |v - v_gt|
   Mean yaw_rate;  ///< rad/s, absolute; empty for models without yaw rate
   /// Squared error over the estimate's own variance, of what is observed or assumed: about 1 where the
   /// covariance is right, more where it is too small or the ground truth has errors of its own.

@@ -42,8 +42,8 @@ struct FlowReport {
   /// does not. Empty for flow "ground_truth" and "files".
   std::vector<double> seconds;
 
-  /// "epe", "epe_median" (px of the full image), "fl" (KITTI's outliers, a share of the pixels with flow),
-  /// "density" (their share of the pixels with truth) and counts of all, static and moving pixels;
+  /// "epe", "epe_median" (px of the full image), "fl" (KITTI's outliers, a fraction of the pixels with flow),
+  /// "density" (their fraction of the pixels with truth) and counts of all, static and moving pixels;
   /// "ms_per_pair" (median).
   void describe(Figures& figures);
 };

@@ -30,7 +30,7 @@ struct FlowErrors {
     double mean() const;          ///< px; NaN where nothing was compared
     double median() const;        ///< px, to 0.3 % or 0.001 px; NaN where nothing was compared
     double outlierShare() const;  ///< of `compared`, KITTI's Fl; NaN where nothing was compared
-    double density() const;       ///< share of the true pixels that was compared; NaN where there are none
+    double density() const;       ///< fraction of the true pixels that was compared; NaN where there are none
 
     /// One pixel that was compared; `true_pixels` is the caller's. @param error  px  @param length  px, of
     /// the true flow

@@ -74,7 +74,7 @@ struct SegmentationReport {
 /// Evaluates one scene. `progress` is called after every pair with (done, all).
 /// @throws dataset::DatasetError where the scene has no pair of images on disk, or masks of other cameras
 /// alone, and
-///         for missing or unreadable files; std::invalid_argument for options that make no sense.
+///         for missing or unreadable files; std::invalid_argument for invalid options.
 SegmentationReport evaluateSegmentation(const dataset::Tables& tables, dataset::Index scene,
                                         const std::vector<const dataset::InstanceMask*>& masks,
                                         const SegmentationEvaluationOptions& options = {},

@@ -52,7 +52,7 @@ class RangeRateWatch {
   double seen_ = -std::numeric_limits<double>::infinity();  // s, of `points_`
   Points points_;                                           // m, base frame, those that say they are still
   double looks_ = 0.0;                                      // weight of `found_`
-  std::array<double, kSpeeds> found_{};  // share of the points that is seen again, by speed
+  std::array<double, kSpeeds> found_{};  // fraction of the points that is seen again, by speed
   Verdict verdict_ = Verdict::kGood;
   double value_ = 0.0;
 };

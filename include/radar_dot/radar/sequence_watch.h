@@ -10,7 +10,7 @@ namespace radar_dot {
 
 /// Counts the messages of one topic that were lost before they arrived, by the sequence numbers that their
 /// publisher gives them. Numbers that stay the same, go back, or leap say nothing: not all drivers count, and
-/// a driver that starts again counts anew.
+/// a driver that restarts counts from zero again.
 class SequenceWatch {
  public:
   static constexpr std::uint32_t kMaxLost = 1000;  ///< between two messages; more is a leap

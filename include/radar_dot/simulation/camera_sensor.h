@@ -60,7 +60,7 @@ cv::Mat renderRadiance(const World& world, const Snapshot& snapshot, const Pinho
 /// How a camera turns radiance into an image.
 struct ImageSensorParams {
   double lens_blur = 0.45;        ///< px, sigma
-  double vignetting = 0.18;       ///< share of the light lost in the corners
+  double vignetting = 0.18;       ///< fraction of the light lost in the corners
   double full_well = 9000.0;      ///< electrons of a white pixel by day
   double night_full_well = 1500;  ///< the same at night's gain
   double read_noise = 5.0;        ///< electrons

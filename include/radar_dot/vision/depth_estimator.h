@@ -30,7 +30,7 @@ struct DepthInput {
   std::vector<Eigen::Vector3f> lidar_points;   ///< m, base frame, at the time of the image
   double pixel_scale = 1.0;                    ///< px of the full image per px of the grid
   double time = 0.0;                           ///< s, of the image
-  std::optional<MotionDepthInput::Step> step;  ///< from the image before; none: a first image
+  std::optional<MotionDepthInput::Step> step;  ///< from the previous image; none: a first image
 };
 
 /// The parts of DepthInput that an estimator looks at, besides the camera.
@@ -87,7 +87,7 @@ class DepthEstimator {
   /// @throws std::invalid_argument when what this estimator needs is not there, saying what.
   virtual cv::Mat estimate(const DepthInput& input) = 0;
   virtual DepthNeeds needs() const = 0;
-  /// How uncertain a depth is: 1 sigma of the inverse depth as share of it, CV_32FC1 on the grid of the
+  /// How uncertain a depth is: 1 sigma of the inverse depth, relative, CV_32FC1 on the grid of the
   /// depth; NaN where that is unknown. The same constant for every pixel where a backend knows nothing
   /// better.
   /// @param input  that the depth was estimated from
@@ -96,7 +96,7 @@ class DepthEstimator {
   virtual cv::Mat relativeStd(const DepthInput& input, const cv::Mat& depth) const;
 };
 
-/// The same 1 sigma (share of the inverse depth) for every pixel whose depth is known: CV_32FC1, NaN
+/// The same 1 sigma (relative, inverse depth) for every pixel whose depth is known: CV_32FC1, NaN
 /// elsewhere.
 /// @param depth  CV_32FC1, m
 cv::Mat constantStd(const cv::Mat& depth, double relative_std);

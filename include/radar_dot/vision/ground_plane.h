@@ -51,7 +51,7 @@ struct GroundPlane {
 cv::Mat groundDepth(const CameraIntrinsics& camera, const Eigen::Isometry3d& T_base_from_camera,
                     double height, double pitch, double max_depth);
 
-/// 1 sigma of the inverse depth rho of the ground plane as share of it, CV_32FC1: NaN at and above the
+/// 1 sigma of the inverse depth rho of the ground plane relative to it, CV_32FC1: NaN at and above the
 /// horizon.
 ///
 /// With h the height of the camera above the plane straight below it, c_x the camera's place ahead of the

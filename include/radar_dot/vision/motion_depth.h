@@ -43,23 +43,23 @@ struct MotionDepthParams {
 /// Where the depth of a pixel comes from.
 enum class DepthOrigin : std::uint8_t {
   kPrior,   ///< the prior: nothing was measured since the pixel is followed
-  kMotion,  ///< measured, in this image or one before
+  kMotion,  ///< measured, in this image or an earlier one
   kRefused  ///< measured before, but what is seen now is no static point: not to be used, see the prior
 };
 
-/// A new image, and how it follows from the one before. All images lie on the grid of `camera`.
+/// A new image, and how it follows from the previous one. All images lie on the grid of `camera`.
 struct MotionDepthInput {
   CameraIntrinsics camera;
   double pixel_scale = 1.0;  ///< px of the full image per px of the grid
   double time = 0.0;         ///< s, of the image
   cv::Mat prior_depth;       ///< CV_32FC1, m, what is known without images before; NaN: unknown
-  cv::Mat prior_std;         ///< CV_32FC1, 1 sigma of its inverse, share of it (DepthEstimator::relativeStd)
+  cv::Mat prior_std;         ///< CV_32FC1, 1 sigma of its inverse, relative (DepthEstimator::relativeStd)
 
   /// CV_32FC1, m, which no static point is beyond: the ground, as far as its uncertainty lets it be; infinity
   /// or NaN: no limit; empty: nowhere
   cv::Mat farthest = {};
 
-  /// What leads back to the image before.
+  /// What leads back to the previous image.
   struct Step {
     double previous_time = 0.0;  ///< s
     /// staticPointMotion: takes a static point from the previous camera frame to that of this image, m
@@ -75,9 +75,9 @@ struct MotionDepthInput {
 /// Depth of an image, on its grid.
 struct MotionDepthResult {
   cv::Mat depth;          ///< CV_32FC1, m; NaN where neither prior nor motion tells it
-  cv::Mat relative_std;   ///< CV_32FC1, 1 sigma of the inverse depth, share of it; NaN where depth is
+  cv::Mat relative_std;   ///< CV_32FC1, 1 sigma of the inverse depth, relative; NaN where depth is
   cv::Mat origin;         ///< CV_8UC1, DepthOrigin
-  bool followed = false;  ///< the image before took part; else all is the prior
+  bool followed = false;  ///< the previous image took part; else all is the prior
   bool measured = false;  ///< and the camera has moved since, so that depth was measured
   Eigen::Isometry3d T_current_from_previous = Eigen::Isometry3d::Identity();  ///< refined where `measured`
 };
@@ -92,11 +92,11 @@ struct MotionDepthResult {
 /// h_12 - p' h_3 the point on the epipolar line nearest to p' has
 ///     rho_m = -a.b / b.b,    sigma_m^2 = s^2 w'^2 / b.b,    w' = (H p + rho- h)_3
 /// with s, px, of flow, its forward-backward error and the motion. What is farther than max_deviation s from
-/// the epipolar line, or behind the camera, moves by itself or has no flow: it is not measured, and refused.
+/// the epipolar line, or behind the camera, moves independently or has no flow: it is not measured.
 /// An innovation farther than max_deviation sigma first widens P-: a wrong start does not persist.
 ///
 /// Pixels start with the prior: where flow and its way back do not close, at what comes into view, and all of
-/// them where the image before is not the one that was seen last, is older than max_interval, or has another
+/// them where the previous image is not the one seen last, is older than max_interval, or has another
 /// grid. While the camera stands the depths are carried, and nothing is measured.
 ///
 /// On what moves along with the epipolar line, a car ahead above all, the depth is wrong, and sure of itself:

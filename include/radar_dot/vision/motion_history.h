@@ -35,7 +35,7 @@ cv::Mat logOdds(const MotionResult& result);
 /// @throws std::invalid_argument for other types, or sizes that differ
 cv::Mat carriedBelief(const cv::Mat& log_odds, const cv::Mat& flow_back, double share);
 
-/// Share of a belief that is left after `dt` s: exp(-|dt| / memory). @param memory  s; 0: nothing is left
+/// Fraction of a belief that is left after `dt` s: exp(-|dt| / memory). @param memory  s; 0: nothing is left
 double forgetting(double dt, double memory);
 
 }  // namespace radar_dot

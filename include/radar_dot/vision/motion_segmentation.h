@@ -182,7 +182,7 @@ struct PairUncertainty {
   cv::Mat fb_error;
   /// CV_32FC1, px of the grid: 1 sigma of the flow besides, by lack of texture; empty: nothing is added
   cv::Mat texture_std;
-  /// CV_32FC1, 1 sigma of the inverse depth at t-1, share of it; empty, NaN or negative: MotionParams
+  /// CV_32FC1, 1 sigma of the inverse depth at t-1, relative; empty, NaN or negative: MotionParams
   cv::Mat depth_std;
   /// Of a small motion (omega, tau) after T_current_from_previous, X -> X + omega x X + tau: rad^2, rad m,
   /// m^2, camera frame at t
@@ -231,7 +231,7 @@ class MotionSegmenter {
   MotionSegmenter(MotionSegmenter&&) noexcept;
   MotionSegmenter& operator=(MotionSegmenter&&) noexcept;
 
-  /// @param before  the first image together with the one before it, seen from the first image
+  /// @param before  the first image together with the previous one, seen from the first image
   ///                (seenFromSecond), with the same camera, depth and returns; or null. A pixel that the
   ///                second image does not show any more, or whose flow is wrong, may be seen well there. Its
   ///                score is the root mean square of the two, each over its own scale; or the one that there

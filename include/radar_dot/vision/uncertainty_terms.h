@@ -17,14 +17,14 @@
 ///     Sigma = sigma_flow^2 I  +  g g^T sigma_rho^2  +  J Sigma_motion J^T
 ///
 /// with g = d(u', v') / d rho and J = d(u', v') / d(omega, tau). The error of depth moves the prediction
-/// along g only, the direction to the focus of expansion; across it a small residual already tells motion. A
+/// along g only, the direction to the focus of expansion; across it even a small residual indicates motion. A
 /// single tolerance for both, as the paper's, must be as wide as the wider one. The score is the Mahalanobis
 /// distance
 ///
 ///     s^2 = r^T Sigma^-1 r  +  (D_t(u', v') - Z_est)^2 / sigma_Z^2
 ///
 /// whose square is distributed as chi-square with 2 degrees of freedom, or 3 where depth is seen in the
-/// second image, for what stands.
+/// second image, of a static point.
 namespace radar_dot::uncertainty_terms {
 
 /// Derivative of (u', v') by rho = 1 / D, px m. Of X_t = D (R x + rho t) only the direction counts, so that

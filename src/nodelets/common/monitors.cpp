@@ -20,7 +20,7 @@ constexpr std::size_t kRateStamps = 27;  // two seconds of a radar at 13 Hz
 // Scans that may wait for their sweep when a report is due.
 constexpr std::size_t kWaiting = 1;
 
-// A larger share of clouds that did not arrive is worth a warning.
+// A larger fraction of clouds that did not arrive is worth a warning.
 constexpr double kMaxShareLost = 0.05;
 
 }  // namespace

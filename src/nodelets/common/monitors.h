@@ -25,7 +25,7 @@ namespace radar_dot {
 /// What is expected of a stream of stamped messages.
 struct StreamExpectation {
   double rate = 13.0;           ///< Hz; 0: any
-  double rate_tolerance = 0.3;  ///< share of the rate
+  double rate_tolerance = 0.3;  ///< fraction of the rate
   double max_age = 0.5;         ///< s between the stamp and the arrival, either way
   double silent_after = 0.5;    ///< s without a message
 };

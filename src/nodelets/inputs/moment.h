@@ -14,7 +14,7 @@ namespace radar_dot {
 struct Moment {
   double ros = 0.0, wall = 0.0;
 
-  /// A clock of ROS that stands still (a bag that is paused or over) must hold nothing back for ever: no wait
+  /// A clock of ROS that stands still (a bag that is paused or over) must hold nothing back forever: no wait
   /// is longer than this many times its timeout in wall time. A replay can be slower by this factor.
   static constexpr double kSlowest = 20.0;
 

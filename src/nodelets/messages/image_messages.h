@@ -43,7 +43,7 @@ cv::Mat depthOf(const sensor_msgs::Image& message);
 /// @param keep  CV_8UC1 of its size
 sensor_msgs::ImagePtr keptDepth(const sensor_msgs::Image& message, const cv::Mat& keep);
 
-/// Uncertainty of a depth, share of the inverse depth: CV_32FC1, of encoding 32FC1, shared with the message.
+/// Uncertainty of a depth, relative, of its inverse: CV_32FC1, of encoding 32FC1, shared with the message.
 cv::Mat depthStdOf(const sensor_msgs::Image& message);
 
 /// Flow without the rest, as on dynamic/expected_flow: CV_32FC2, shared with the message.

@@ -17,7 +17,7 @@ struct Appearance {
   float mirror = 0.0F;                   ///< reflectance at normal incidence of a smooth coat; 0 = matt
   float highlight = 0.0F;                ///< strength of the sun's blurred reflection
   float highlight_exponent = 30.0F;
-  float translucency = 0.0F;  ///< share of the light from behind that comes through
+  float translucency = 0.0F;  ///< fraction of the light from behind that comes through
   float bump = 0.0F;          ///< slope of the surface's waves, for reflections
 };
 

@@ -21,7 +21,7 @@ class BuildingFront {
   void wall(const Opening& area);
   /// The wall of a whole bay around one opening, with its reveals.
   void wallAround(const Opening& bay, const Opening& hole, const Surface& surface, float setback);
-  /// Pane with frame, mullions and, if `transom_share` > 0, a transom at that share of its height.
+  /// Pane with frame, mullions and, if `transom_share` > 0, a transom at that fraction of its height.
   void glazing(const Opening& hole, const Surface& pane, float setback, int mullions, float transom_share);
   void block(const Opening& area, float back, float front);
   void sheet(const Opening& area, float y);

@@ -22,7 +22,7 @@ struct BuildingStyle {
   bool pitched = false;
   bool lintels = false;
   bool bands = false;
-  float balconies = 0.0F;  ///< share of the bays
+  float balconies = 0.0F;  ///< fraction of the bays
   bool awnings = false;
 };
 

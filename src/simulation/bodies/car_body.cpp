@@ -127,7 +127,7 @@ std::uint32_t lowerSurface(const CarShape& shape, const Paints& paints, const st
 constexpr std::array<float, 8> kCabinStations = {0.03F, 0.2F, 0.40F, 0.455F, 0.63F, 0.80F, 0.835F, 0.96F};
 constexpr int kDoorPost = 3;
 
-/// The cabin seen from above at a share of the way from the belt line to the gutter.
+/// The cabin seen from above at a fraction of the way from the belt line to the gutter.
 Outline cabinOutline(const CarShape& shape, float share, float inset) {
   constexpr float kCorner = 0.14F;
   const float swell = 0.10F * share * (1.0F - share);

@@ -24,7 +24,7 @@ struct CarShape {
   float rear_base_x = -1.98F;
   float roof_drop = 0.06F;   ///< of the rear end of the roof
   float tumblehome = 0.17F;  ///< the roof is narrower than the belt line, on either side
-  float glass_top = 0.86F;   ///< share of the cabin's side that the windows reach up to
+  float glass_top = 0.86F;   ///< fraction of the cabin's side that the windows reach up to
   bool rear_doors = true;
   bool rear_side_windows = true;  ///< beside the rear bench
   bool quarter_windows = false;   ///< behind the rear doors

@@ -78,7 +78,7 @@ inline float fractalNoise(float x, float y, float longest, int octaves, float ga
   return sum;
 }
 
-/// Share of a pixel that a line of `width` around position 0 covers when the pixel's box of `size` is
+/// Fraction of a pixel that a line of `width` around position 0 covers when the pixel's box of `size` is
 /// centred at `position` (all m).
 inline float lineCoverage(float position, float width, float size) noexcept {
   const float low = std::max(position - 0.5F * size, -0.5F * width);

@@ -67,7 +67,7 @@ class RayFan {
   Eigen::Vector2f centre_;
 };
 
-/// Share of the hemisphere that is open, sampled by one ray per block. Neighbouring blocks look into
+/// Fraction of the hemisphere that is open, sampled by one ray per block. Neighbouring blocks look into
 /// different directions of a fixed pattern; gathering a whole pattern averages all of them.
 class SkyOpenness {
  public:

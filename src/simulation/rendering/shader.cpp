@@ -19,7 +19,7 @@ using Eigen::Vector3f;
 constexpr float kLampReach = 30.0F;      // m
 constexpr float kHeadLampReach = 45.0F;  // m
 constexpr float kCell = 10.0F;           // m
-constexpr float kFaintMirror = 0.065F;   // share of the light
+constexpr float kFaintMirror = 0.065F;   // fraction of the light
 constexpr std::size_t kMostLamps = 24;   // that are looked at from a point
 constexpr float kSurfaceOffset = 2e-3F;  // m, keeps rays off the surface they start from
 

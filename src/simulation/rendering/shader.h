@@ -36,7 +36,7 @@ class Shader {
 
   /// Light from a surface.
   /// @param pixel_angle  rad, of one pixel
-  /// @param openness     share of the sky above that nothing near hides, 0..1
+  /// @param openness     fraction of the sky above that nothing near hides, 0..1
   SurfaceLight surface(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, const Hit& hit,
                        float pixel_angle, float openness, Sun sun, Mirrors mirrors) const;
   /// Where a ray to the sun starts. false: the surface is turned away and lets no light through.

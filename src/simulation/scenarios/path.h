@@ -22,7 +22,7 @@ class Path {
   Path(const Eigen::Vector2d& start, double heading);
 
   Path& straight(double length);
-  /// Turns by `turn` rad (positive to the left) over `length` m. @param ramp share of the length over
+  /// Turns by `turn` rad (positive to the left) over `length` m. @param ramp fraction of the length over
   /// which the curvature rises, and again falls: 0 (an arc of a circle) to 0.5.
   Path& bend(double length, double turn, double ramp = kRamp);
 

@@ -202,7 +202,7 @@ bool Traffic::addPavementWalker(const Street& street, double side, double x) {
   const double y = side * (street.profile.halfRoad() + kTracks[track] + random_.uniform(-0.06, 0.06));
   const double direction = track == 1 ? (random_.chance(0.5) ? 1.0 : -1.0) : (track == 0 ? side : -side);
   const double speed = random_.uniform(0.9, 1.7);
-  // Not through what stands at the ends of the street.
+  // Not through the buildings at the ends of the street.
   const double goal = x + direction * (speed * (duration_s_ + 1.0) + 1.0);
   if (goal < 2.0 || goal > street.length - 2.0) return false;
   const double start = x - 2.0 * direction;

@@ -12,7 +12,7 @@
 
 namespace radar_dot::simulation {
 
-/// How much of every actor the six cameras of the vehicle see: share of points sampled on its surface
+/// How much of every actor the six cameras of the vehicle see: fraction of points sampled on its surface
 /// that are in view of one of them with nothing else in between, 0..1; 0 beyond 100 m.
 /// @return one number per actor
 std::vector<double> visibleShares(const World& world, const Snapshot& snapshot, const Trajectory& ego);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
 
-/// Share of the light that comes straight back, at normal incidence.
+/// Fraction of the light that comes straight back, at normal incidence.
 double reflectivityOf(Material material, const Color& color) {
   switch (material) {
     case Material::kWindowPane:

@@ -81,7 +81,7 @@ struct RadarModel {
   /// Returns of nothing, per scan, anywhere; real share of valid returns that fit neither the static
   /// world nor a road user is below 2 %.
   double clutter_rate = 1.5;
-  /// Share of returns whose velocity is folded wrongly; real: 1.7 % (long), 2.1 % (side).
+  /// Fraction of returns whose velocity is folded wrongly; real: 1.7 % (long), 2.1 % (side).
   double folded_share = 0.018;
   double folded_deviation = 6.0;  ///< m/s
 
