@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nodelets/optical_flow_nodelet.h"
 
+#include <algorithm>
+#include <cmath>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
 #include <utility>
@@ -68,7 +70,9 @@ void OpticalFlowNodelet::apply(const OpticalFlowConfig& config) {
 }
 
 void OpticalFlowNodelet::clearHistory() {
+  latest_.reset();
   previous_.reset();
+  pace_ = {};
   waiting_.reset();
   depths_.clear();
   motion_->forget();
@@ -77,20 +81,23 @@ void OpticalFlowNodelet::clearHistory() {
 
 void OpticalFlowNodelet::onImage(LazyImage picture) {
   const auto current = std::make_shared<LazyImage>(std::move(picture));
-  const SharedImage before = previous_;
-  if (!before) {
-    previous_ = current;
-    return;
-  }
   // The sensor's noise makes any two pictures differ. A simulated camera has none.
-  if (current->repeats(*before) && !stands(current->header().stamp)) {
+  if (latest_ && current->repeats(*latest_) && !stands(current->header().stamp)) {
     ++repeated_;
     ++repeated_since_report_;
     warn("repeated", "images on '" + image_->topic() + "' repeat the previous one under a new stamp");
     return;
   }
-  const double interval = current->header().stamp.toSec() - before->header().stamp.toSec();
-  if (interval < config_.pair_interval * (1.0 - kIntervalTolerance)) return;
+  latest_ = current;
+  const double stamp = current->header().stamp.toSec();
+  pace_.addImage(stamp, ProcessClock::now().toSec());
+  const SharedImage before = previous_;
+  if (!before) {
+    previous_ = current;
+    return;
+  }
+  const double interval = stamp - before->header().stamp.toSec();
+  if (interval < leastInterval() * (1.0 - kIntervalTolerance)) return;
   interval_ = interval;
   previous_ = current;
   if (interval_ > config_.max_pair_gap) {
@@ -102,7 +109,10 @@ void OpticalFlowNodelet::onImage(LazyImage picture) {
   }
   // Who comes in place of a pair that waited has waited as long: else none might ever be computed.
   const Moment since = waiting_ ? waiting_->arrival : Moment::now();
-  if (waiting_) ++replaced_;
+  if (waiting_) {
+    ++replaced_;
+    pace_.addLost();
+  }
   const bool forward = config_.direction == FlowDirection::kForward;
   waiting_ = Pair{forward ? before : current, forward ? current : before, since};
   scheduleQueue(kNext);
@@ -207,14 +217,17 @@ void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
   }
   computation_time_ = (ProcessClock::now() - start).toSec();
   publisher_.publish(flowMessage(first_header, second_header.stamp, field, size));
-  latency_ =
-      ros::Time::now().toSec() - std::max(pair.first->header().stamp, pair.second->header().stamp).toSec();
+  latency_ = ros::Time::now().toSec() - std::max(first_header.stamp, second_header.stamp).toSec();
+  const ros::WallTime end = ProcessClock::now();
+  pace_.addPair(std::abs((second_header.stamp - first_header.stamp).toSec()), (end - start).toSec(),
+                end.toSec());
   ++computed_;
   noteOutput();
 }
 
 void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
+  const int every = pace_.every(config_.pair_interval, config_.max_pair_gap);
   if (withoutOutput() > silentAfter() + config_.pair_interval) {
     status.summaryf(DiagnosticStatus::ERROR, "no flow for %.1f s", withoutOutput());
     if (interval_ > config_.max_pair_gap) {
@@ -228,6 +241,11 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   } else if (repeated_since_report_ > 0) {
     status.summaryf(DiagnosticStatus::WARN, "%zu images repeat the previous one, and are left out",
                     repeated_since_report_);
+  } else if (every > 1) {
+    status.summaryf(DiagnosticStatus::WARN, "too slow for every image: pairs of every %d%s", every,
+                    every == 2   ? "nd"
+                    : every == 3 ? "rd"
+                                 : "th");
   } else if (without_start_ > 0) {
     status.summaryf(DiagnosticStatus::WARN, "%zu pairs without an initial flow", without_start_);
   } else {
@@ -237,6 +255,8 @@ void OpticalFlowNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   status.addf("computation time (ms)", "%.1f", 1e3 * computation_time_);
   status.addf("of it decoding (ms)", "%.1f", 1e3 * decoding_time_);
   status.addf("of it the way back (ms)", "%.1f", 1e3 * backward_time_);
+  status.addf("share of the time between pairs", "%.2f", pace_.load());
+  status.addf("pairs of every ... image", "%d", every);
   status.addf("waiting before (ms)", "%.1f", 1e3 * waiting_time_);
   status.addf("latency (ms)", "%.1f", 1e3 * latency_);
   status.addf("pairs", "%zu", computed_);

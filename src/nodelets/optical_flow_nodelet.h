@@ -9,6 +9,7 @@
 #include "nodelets/common/stream_nodelet.h"
 #include "nodelets/inputs/ego_motion.h"
 #include "nodelets/inputs/moment.h"
+#include "nodelets/inputs/pair_pace.h"
 #include "nodelets/inputs/stamp_cache.h"
 #include "radar_dot/config/sections.h"
 
@@ -16,7 +17,8 @@ namespace radar_dot {
 
 /// Optical flow between images of one camera, consecutive or a given time apart.
 ///
-/// Only the latest pair is worked on: a slower machine gets pairs that lie farther apart, not later ones.
+/// Only the latest pair is worked on: a slower machine gets pairs that lie farther apart (PairPace), not
+/// later ones.
 class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
  private:
   using SharedImage = std::shared_ptr<LazyImage>;
@@ -37,6 +39,7 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   bool stands(const ros::Time& stamp) const;
   /// Has the waiting pair looked at, `delay` s from now.
   void scheduleQueue(double delay);
+  double leastInterval() const { return pace_.leastInterval(config_.pair_interval, config_.max_pair_gap); }
   /// Computes the waiting pair, when what it starts from is there or has been waited for long enough.
   void processQueue();
   /// Flow of a static world; empty, with the reason in `missing`, when something is not there (yet).
@@ -45,7 +48,8 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   const cv::Mat& pixelsOf(LazyImage& picture) const;
 
   std::unique_ptr<OpticalFlow> flow_;  // none: no backend could be made
-  SharedImage previous_;
+  SharedImage latest_, previous_;      // image, and the one of the latest pair
+  PairPace pace_;
   std::optional<Pair> waiting_;
   std::size_t repeated_ = 0, repeated_since_report_ = 0;  // images
 

@@ -4,6 +4,7 @@
 #
 # The launch files load with each of their arguments, and every input of a nodelet that comes from outside has one.
 import os
+import tempfile
 import unittest
 
 from roslaunch.arg_dump import get_args
@@ -75,6 +76,38 @@ class LaunchFilesTest(unittest.TestCase):
             self.assertEqual(found[nodelet]["camera_info"], "left/camera_info", nodelet)
         # What is not given is left to a remapping around the include.
         self.assertEqual(set(found["odometry"]), set())
+
+    def test_cameras_have_namespaces_and_share_the_vehicle(self):
+        for around in ("/", "/car/"):
+            config = load("radar_dot.launch", cameras="left,right", namespace=around, image="rect", imu="/imu")
+            nodes = {node.namespace + node.name: node for node in config.nodes}
+            for camera in ("left", "right"):
+                for nodelet in CAMERA:
+                    node = nodes["/%s/%s" % (camera, nodelet)]
+                    self.assertTrue(node.args.endswith(" %sradar_dot_manager" % around), node.args)
+                    found = dict(node.remap_args)
+                    for topic in ("ego/twist", "radar/static", "radar/dynamic", "rotation/odom"):
+                        self.assertEqual(found[topic], around + topic, nodelet)
+                    self.assertEqual([found["lidar"], found["rotation/imu"]], [around + "lidar_top", "/imu"])
+                    # Nothing else leaves the namespace.
+                    self.assertEqual(found["image"], "rect")
+                    self.assertTrue({"flow", "depth", "dynamic/mask", "ego/twist_refined"}.isdisjoint(found))
+                self.assertEqual(config.params["/%s/optical_flow/preset" % camera].value, "live")
+            self.assertEqual(len(nodes), 4 + 2 * len(CAMERA))
+            found = dict(nodes["/moving_objects"].remap_args)
+            for topic in ("dynamic/mask", "dynamic/expected_flow", "depth", "flow", "camera_info"):
+                self.assertEqual(found[topic], "left/" + topic)
+            self.assertEqual(dict(nodes["/ego_velocity"].remap_args)["dynamic/mask"], "left/dynamic/mask")
+
+    def test_a_camera_may_differ_from_the_others(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
+            file.write("dynamic_segmentation: {memory: 1.0, ignore_mask: a}\n"
+                       "right: {dynamic_segmentation: {ignore_mask: b}}\n")
+            file.flush()
+            params = load("radar_dot.launch", cameras="left,right", config=file.name).params
+        for camera, ignored in (("left", "a"), ("right", "b")):
+            section = "/%s/dynamic_segmentation/" % camera
+            self.assertEqual([params[section + name].value for name in ("memory", "ignore_mask")], [1.0, ignored])
 
     def test_what_needs_little_of_an_image_decodes_it_itself(self):
         names = ["/optical_flow/image_transport", "/depth/image_transport"]

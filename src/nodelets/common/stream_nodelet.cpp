@@ -71,6 +71,7 @@ void StreamNodelet::describe(const std::string& what, const StreamParams& params
   expectation.max_age = params.max_age;
   expectation.silent_after = params.silent_after;
   describe(what, params.base_frame, expectation);
+  if (!ProcessClock::isRecorded()) background_ = std::make_unique<BackgroundThread>();
 }
 
 StreamExpectation StreamNodelet::expectationOf(const RateParams& params, double silent_after) {
@@ -218,14 +219,20 @@ void StreamNodelet::checkClock() {
 }
 
 void StreamNodelet::guard(InputMonitor& input, const std::function<void()>& body) {
-  try {
-    checkClock();
-    body();
-  } catch (const std::exception& error) {
-    // Whatever the data are: they must not end the process that we share with others.
-    input.refuse(error.what());
-    warn(input.name(), input.noun() + " on '" + input.topic() + "' refused: " + error.what());
-  }
+  const auto guarded = [&] {
+    try {
+      checkClock();
+      body();
+    } catch (const std::exception& error) {
+      // Whatever the data are: they must not end the process that we share with others.
+      input.refuse(error.what());
+      warn(input.name(), input.noun() + " on '" + input.topic() + "' refused: " + error.what());
+    }
+  };
+  if (background_)
+    background_->run(guarded);
+  else
+    guarded();
 }
 
 void StreamNodelet::take(Input& input, const std_msgs::Header& header, const std::function<void()>& body) {

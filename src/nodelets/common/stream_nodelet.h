@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "nodelets/common/background_thread.h"
 #include "nodelets/common/log_throttle.h"
 #include "nodelets/common/monitors.h"
 #include "nodelets/common/process_clock.h"
@@ -58,6 +59,7 @@ class StreamNodelet : public nodelet::Nodelet {
 
   /// Diagnostics and mounts; first of all in the set-up. @param what  name of the diagnostic of report()
   void describe(const std::string& what, const std::string& base_frame, const StreamExpectation& expectation);
+  /// Of those that work on images: with a low priority.
   void describe(const std::string& what, const StreamParams& params);
   /// Of streams with a rate; slower ones than usual are waited for accordingly. @param silent_after  s
   static StreamExpectation expectationOf(const RateParams& params, double silent_after);
@@ -128,7 +130,7 @@ class StreamNodelet : public nodelet::Nodelet {
   /// s without a message, after which something is wrong.
   double silentAfter() const noexcept { return expectation_.silent_after; }
 
-  /// Runs `body`; whatever it throws becomes a refusal of the input.
+  /// Runs `body`; whatever it throws becomes a refusal of the input. All work on messages passes here.
   void guard(InputMonitor& input, const std::function<void()>& body);
   /// Resets everything where the clock went back.
   void checkClock();
@@ -171,6 +173,7 @@ class StreamNodelet : public nodelet::Nodelet {
   ProcessTimer timer_, diagnostics_timer_;
   bool started_ = false, complete_ = false, connected_ = false;
   ros::WallTime last_output_;
+  std::unique_ptr<BackgroundThread> background_;  // none: works in the thread of its queue
 };
 
 /// A nodelet with parameters, which are read before setUp(), and served after it.
