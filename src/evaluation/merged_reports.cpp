@@ -71,7 +71,10 @@ std::string textOf(rapidjson::Document& parameters, const std::vector<SavedRepor
       names.PushBack(Value(scene.name.c_str(), allocator), allocator);
     parameters["options"]["scenes"] = names;
   }
-  std::string text = jsonText([&parameters](JsonWriter& writer) { parameters.Accept(writer); });
+  std::string text = jsonText([&parameters](JsonWriter& writer) {
+    writer.SetFormatOptions(rapidjson::kFormatSingleLineArray);
+    parameters.Accept(writer);
+  });
   text.pop_back();
   return text;
 }
