@@ -3,9 +3,16 @@
 #include "radar_dot/evaluation/figures.h"
 
 #include <fmt/format.h>
+#include <fmt/printf.h>
+#include <rapidjson/error/en.h>
+#include <rapidjson/istreamwrapper.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iomanip>
 #include <stdexcept>
 
 #include "report_format.h"
@@ -42,6 +49,47 @@ double medianAbsolute(const std::vector<double>& values) {
   return sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
 }
 
+void SumsText::operator()(std::uint64_t& count) {
+  if (!reads_) {
+    text_ << count << ' ';
+    return;
+  }
+  const std::string word = next();
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
+  failed_ = failed_ || error != std::errc() || *end != '\0';
+}
+
+void SumsText::operator()(double& number) {
+  if (!reads_) {
+    text_ << fmt::sprintf("%a ", number);
+    return;
+  }
+  const std::string word = next();
+  char* end = nullptr;
+  number = std::strtod(word.c_str(), &end);
+  failed_ = failed_ || word.empty() || *end != '\0';
+}
+
+void SumsText::operator()(std::string& word) {
+  if (reads_)
+    failed_ = failed_ || !(text_ >> std::quoted(word));
+  else
+    text_ << std::quoted(word) << ' ';
+}
+
+std::string SumsText::next() {
+  std::string word;
+  failed_ = failed_ || !(text_ >> word);
+  return word;
+}
+
+std::size_t SumsText::size(std::size_t count) {
+  std::uint64_t size = count;
+  (*this)(size);
+  failed_ = failed_ || (reads_ && size > text_.str().size());
+  return failed_ ? 0 : size;
+}
+
 void Figures::add(const std::string& key, Kind kind, double number, std::uint64_t count, void* member) {
   items_.push_back({path_ + key + suffix_, kind, number, count, is_shown_only_ ? nullptr : member});
 }
@@ -54,6 +102,23 @@ const Figures::Item* Figures::find(const std::string& key) const {
 
 void Figures::addParts(const Figures& other) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].add(parts_[i].member, other.parts_[i].member);
+}
+
+void Figures::keepParts(SumsText& text) const {
+  for (const Part& part : parts_) part.keep(part.member, text);
+}
+
+std::string Figures::sums() const {
+  SumsText text;
+  keepParts(text);
+  return text.text();
+}
+
+void Figures::readSums(const std::string& text, const std::string& where) const {
+  SumsText sums(text);
+  keepParts(sums);
+  if (!sums.isRead())
+    throw std::runtime_error(where + ": field 'sums' is not of this evaluator, or of another version");
 }
 
 void Figures::sort() {
@@ -141,6 +206,10 @@ void writeReport(JsonWriter& writer, const Figures& figures, bool is_overall) {
       writer.Null();
     }
   }
+  if (const std::string sums = figures.sums(); !sums.empty()) {
+    writer.Key("sums");
+    writer.String(sums.c_str());
+  }
   writer.EndObject();
 }
 
@@ -157,24 +226,29 @@ void writeScenes(JsonWriter& writer, const std::vector<Figures>& scenes, const F
   writer.EndObject();
 }
 
-void readSums(const Figures& figures, const rapidjson::Value& value, const std::string& where) {
-  if (!value.IsObject()) throw std::runtime_error(where + ": is not an object");
-  const auto refuse = [&where](const std::string& field, const char* wanted) {
-    throw std::runtime_error(fmt::format("{}: field '{}' is missing or is not {}", where, field, wanted));
-  };
-  for (const Figures::Item& item : figures.items()) {
-    if (item.member == nullptr) continue;
-    const auto found = value.FindMember(item.key.c_str());
-    const bool is_there = found != value.MemberEnd();
-    if (item.kind == Figures::Kind::kCount) {
-      if (!is_there || !found->value.IsUint64()) refuse(item.key, "a count");
-      *static_cast<std::uint64_t*>(item.member) = found->value.GetUint64();
-    } else {
-      if (!is_there || !found->value.IsNumber()) refuse(item.key, "a number");
-      if (found->value.GetDouble() < 0.0) refuse(item.key, "0 or more");
-      *static_cast<double*>(item.member) = found->value.GetDouble();
-    }
+rapidjson::Document readReport(const std::string& file) {
+  std::ifstream stream(file);
+  if (!stream) throw std::runtime_error(file + ": cannot be opened");
+  rapidjson::IStreamWrapper wrapper(stream);
+  rapidjson::Document document;
+  // Not recursive: a file nested deeply is an error, not the end of the stack.
+  document.ParseStream<rapidjson::kParseIterativeFlag | rapidjson::kParseFullPrecisionFlag>(wrapper);
+  if (document.HasParseError()) {
+    throw std::runtime_error(fmt::format("{}: byte {}: {}", file, document.GetErrorOffset(),
+                                         rapidjson::GetParseError_En(document.GetParseError())));
   }
+  if (!document.IsObject() || !document.HasMember("scenes") || !document["scenes"].IsArray())
+    throw std::runtime_error(file + ": has no list 'scenes'; it must be a result of an evaluator's --json");
+  return document;
+}
+
+const rapidjson::Value& memberOf(const rapidjson::Value& value, const char* key,
+                                 bool (rapidjson::Value::*is_valid)() const, const char* wanted,
+                                 const std::string& where) {
+  if (!value.IsObject()) throw std::runtime_error(where + ": is not an object");
+  if (!value.HasMember(key) || !(value[key].*is_valid)())
+    throw std::runtime_error(fmt::format("{}: field '{}' is missing or is not {}", where, key, wanted));
+  return value[key];
 }
 
 }  // namespace radar_dot::evaluation

@@ -62,12 +62,14 @@ double TrajectoryError::driftPercent() const {
   return distance < kMinDistance ? std::numeric_limits<double>::quiet_NaN() : 100.0 * end_error / distance;
 }
 
-TrajectoryError& TrajectoryError::operator+=(const TrajectoryError& other) {
-  squared_error += other.squared_error;
-  count += other.count;
-  end_error += other.end_error;
-  distance += other.distance;
-  return *this;
+void TrajectoryError::describe(Figures& figures) {
+  figures.figure("ate_rmse", rootMeanSquare());
+  figures.figure("drift_percent", driftPercent());
+  figures.figure("distance", distance);
+  figures.part(squared_error);
+  figures.part(count);
+  figures.part(end_error);
+  figures.part(distance);
 }
 
 TrajectoryError compareTrajectory(const std::vector<StampedPose>& estimate, const PoseTrack& truth) {

@@ -60,7 +60,12 @@ void writeScenes(
     JsonWriter& writer, const std::vector<Figures>& scenes, const Figures& overall,
     const std::function<void()>& more = [] {});
 
-/// Reads the sums of a report. @throws std::runtime_error naming `where` and the field.
-void readSums(const Figures& figures, const rapidjson::Value& value, const std::string& where);
+/// What formatJson has written. @throws std::runtime_error naming file and field for what is no such file.
+rapidjson::Document readReport(const std::string& file);
+
+/// A member of an object. @throws std::runtime_error naming `where` and the field
+const rapidjson::Value& memberOf(const rapidjson::Value& value, const char* key,
+                                 bool (rapidjson::Value::*is_valid)() const, const char* wanted,
+                                 const std::string& where);
 
 }  // namespace radar_dot::evaluation

@@ -3,15 +3,9 @@
 #include "segmentation_results.h"
 
 #include <fmt/format.h>
-#include <rapidjson/document.h>
-#include <rapidjson/error/en.h>
-#include <rapidjson/istreamwrapper.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
-#include <map>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -85,42 +79,10 @@ std::vector<VariantResult> ablationSteps(const SegmentationEvaluationOptions& op
   return steps;
 }
 
-rapidjson::Document readResult(const std::string& file) {
-  std::ifstream stream(file);
-  if (!stream) throw std::runtime_error(file + ": cannot be opened");
-  rapidjson::IStreamWrapper wrapper(stream);
-  rapidjson::Document document;
-  // Not recursive: a file nested deeply is an error, not the end of the stack.
-  document.ParseStream<rapidjson::kParseIterativeFlag>(wrapper);
-  if (document.HasParseError()) {
-    throw std::runtime_error(fmt::format("{}: byte {}: {}", file, document.GetErrorOffset(),
-                                         rapidjson::GetParseError_En(document.GetParseError())));
-  }
-  if (!document.IsObject() || !document.HasMember("scenes") || !document["scenes"].IsArray())
-    throw std::runtime_error(file +
-                             ": has no list 'scenes'; it must be a result of evaluate_segmentation --json");
-  return document;
-}
-
-/// A member of an object. @throws std::runtime_error naming `where` and the field
-const rapidjson::Value& memberOf(const rapidjson::Value& value, const char* key,
-                                 bool (rapidjson::Value::*is_valid)() const, const char* wanted,
-                                 const std::string& where) {
-  if (!value.IsObject()) throw std::runtime_error(where + ": is not an object");
-  if (!value.HasMember(key) || !(value[key].*is_valid)())
-    throw std::runtime_error(fmt::format("{}: field '{}' is missing or is not {}", where, key, wanted));
-  return value[key];
-}
-
 SegmentationReport reportOf(const rapidjson::Value& value, const std::string& where) {
   SegmentationReport report;
-  readSums(figuresOf(report), value, where);
-  for (const auto& [key, part] : {std::pair("without_motion", report.without_motion),
-                                  {"velocity_error_count", report.velocity_error.count}}) {
-    if (part > report.frames)
-      throw std::runtime_error(
-          fmt::format("{}: field '{}' is missing or is not at most 'frames'", where, key));
-  }
+  figuresOf(report).readSums(
+      memberOf(value, "sums", &rapidjson::Value::IsString, "a text", where).GetString(), where);
   return report;
 }
 
@@ -173,7 +135,7 @@ std::vector<VariantResult> merge(Variants variants, const std::vector<std::strin
   std::vector<VariantResult> sums;
   std::string with, without;
   for (const std::string& file : files) {
-    const rapidjson::Document document = readResult(file);
+    const rapidjson::Document document = readReport(file);
     if (!document.HasMember(key)) {
       without = file;
       continue;
@@ -263,42 +225,6 @@ std::string formatJson(const std::vector<SegmentationReport>& scenes, const Segm
       writer.EndArray();
     });
   });
-}
-
-std::vector<SegmentationReport> mergeJson(const std::vector<std::string>& files) {
-  std::map<std::string, std::pair<SegmentationReport, std::string>> by_name;  // and the file it is in
-  for (const std::string& file : files) {
-    const rapidjson::Document document = readResult(file);
-    std::size_t record = 0;
-    for (const rapidjson::Value& value : document["scenes"].GetArray()) {
-      const SegmentationReport report = sceneOf(value, fmt::format("{}: scene {}", file, record++));
-      const auto [found, is_new] = by_name.try_emplace(report.scene, report, file);
-      if (!is_new)
-        throw std::runtime_error(fmt::format("{}: {} also stands in {}; its pixels would count twice", file,
-                                             report.scene, found->second.second));
-    }
-  }
-  std::vector<SegmentationReport> scenes;
-  for (const auto& [name, scene] : by_name) scenes.push_back(scene.first);
-  return scenes;
-}
-
-std::map<std::string, std::string> mergeLeftOut(const std::vector<std::string>& files) {
-  std::map<std::string, std::string> left_out;
-  std::set<std::string> scenes;
-  for (const std::string& file : files) {
-    const rapidjson::Document document = readResult(file);
-    for (const rapidjson::Value& scene : document["scenes"].GetArray())
-      scenes.insert(scene["scene"].GetString());
-    if (!document.HasMember("left_out")) continue;  // of an older version
-    const auto& entries = memberOf(document, "left_out", &rapidjson::Value::IsObject, "an object", file);
-    for (const auto& entry : entries.GetObject()) {
-      const char* what = entry.name.GetString();
-      left_out[what] = memberOf(entries, what, &rapidjson::Value::IsString, "a text", file).GetString();
-    }
-  }
-  for (const std::string& scene : scenes) left_out.erase(scene);
-  return left_out;
 }
 
 std::optional<Comparison> mergeComparison(const std::vector<std::string>& files) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,13 +57,6 @@ std::string formatTable(const Comparison& comparison);
 std::string formatJson(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall,
                        const Comparison& comparison);
 
-/// Reads files of formatJson and gives their scenes in order of their names.
-/// @throws std::runtime_error naming file and field for what is no such file, and naming both files for a
-///         scene that stands in two of them.
-std::vector<SegmentationReport> mergeJson(const std::vector<std::string>& files);
-/// What was left out of the runs, by what it is; but for scenes that another run has.
-/// @throws std::runtime_error naming file and field for what is no such file.
-std::map<std::string, std::string> mergeLeftOut(const std::vector<std::string>& files);
 /// Sums the comparisons in files of formatJson, the scenes of an ablation side by side; none where no file
 /// has one.
 /// @throws std::runtime_error naming file and field for what is no such file, and the file that has none, or

@@ -71,12 +71,6 @@ std::vector<Column> outcomeColumns() {
           column("f1_70m", "dynamic/f1_70m")};
 }
 
-void describe(const TrajectoryError& error, Figures& figures) {
-  figures.figure("ate_rmse", error.rootMeanSquare());
-  figures.figure("drift_percent", error.driftPercent());
-  figures.figure("distance", error.distance);
-}
-
 void describe(const Confusion& labels, const std::string& suffix, Figures& figures) {
   figures.figure("precision" + suffix, labels.precision());
   figures.figure("recall" + suffix, labels.recall());
@@ -93,6 +87,11 @@ void ModelErrors::describe(Figures& figures) {
   figures.mean("vx_normalised_squared", normalised_vx);
   figures.mean("vy_normalised_squared", normalised_vy);
   figures.mean("yaw_rate_normalised_squared", normalised_yaw_rate);
+}
+
+void MountError::describe(Figures& figures) {
+  figures.part(numerator);
+  figures.part(denominator);
 }
 
 void VelocityReport::describe(Figures& figures) {
@@ -128,11 +127,9 @@ void VelocityReport::describe(Figures& figures) {
   });
   figures.sum("sweeps", sweeps);
   figures.sum("sweeps_refused", sweeps_refused);
-  figures.part(gt_heading);
-  figures.part(own_heading);
   figures.object("trajectory", [&] {
-    figures.object("gt_heading", [&] { evaluation::describe(gt_heading, figures); });
-    figures.object("own_heading", [&] { evaluation::describe(own_heading, figures); });
+    figures.object("gt_heading", [&] { figures.group(gt_heading); });
+    figures.object("own_heading", [&] { figures.group(own_heading); });
   });
   figures.part(dynamic);
   figures.part(dynamic_70m);

@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   evaluator.command_line.add("", fieldsOf(evaluator.configuration.depth));
   evaluator.command_line.add("", fieldsOf(evaluator.configuration.optical_flow.flow));
   evaluator.command_line.add("", fieldsOf(evaluator.configuration.ego_velocity), tools::onlyGroup("Returns"));
-  evaluator.command_line.require(evaluator.dataroot());
+  evaluator.requireScenes();
   return evaluator.run(argc, argv, [&evaluator] {
     evaluation::DepthEvaluationOptions& options = evaluator.options;
     options.ego_velocity = evaluator.configuration.ego_velocity;

@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
        "evaluate_ego_velocity --dataroot sim --version v1.0-sim --config config/simulation.yaml --json "
        "result.json"});
   evaluator.command_line.add("", fieldsOf(evaluator.configuration.ego_velocity));
-  evaluator.command_line.require(evaluator.dataroot());
+  evaluator.requireScenes();
   return evaluator.run(argc, argv, [&evaluator] {
     evaluation::VelocityEvaluationOptions& options = evaluator.options;
     options.ego_velocity = evaluator.configuration.ego_velocity;

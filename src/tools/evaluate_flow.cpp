@@ -29,13 +29,13 @@ void addRules(tools::Evaluator<Options>& evaluator) {
   const auto name_of = [&options](const void* member) { return tools::nameOf(options, member); };
   const auto is_pair = [&options] { return !options.first.empty(); };
   const std::string first = name_of(&options.first);
-  command_line.require(evaluator.dataroot(), first, [is_pair] { return !is_pair(); });
+  evaluator.requireScenes([is_pair] { return !is_pair(); });
   command_line.require(name_of(&options.second), "", is_pair);
   command_line.require(name_of(&options.truth), "", is_pair);
   const evaluation::PairOptions& pairs = options.evaluation.pairs;
   for (const std::string& name :
-       {evaluator.dataroot(), name_of(&pairs.pairs), name_of(&pairs.max_pairs), name_of(&pairs.camera),
-        tools::nameOf(evaluator.input, &evaluator.input.scenes)})
+       {evaluator.dataroot(), evaluator.merge(), name_of(&pairs.pairs), name_of(&pairs.max_pairs),
+        name_of(&pairs.camera), tools::nameOf(evaluator.input, &evaluator.input.scenes)})
     command_line.exclude(first, name);
 }
 

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
   });
   evaluator.command_line.add("", fieldsOf(configuration.moving_objects));
   evaluator.command_line.add("", fieldsOf(configuration.depth));
-  evaluator.command_line.require(evaluator.dataroot());
+  evaluator.requireScenes();
   return evaluator.run(argc, argv, [&evaluator, &configuration] {
     evaluation::ObjectEvaluationOptions& options = evaluator.options;
     options.ego.ego_velocity = configuration.ego_velocity;

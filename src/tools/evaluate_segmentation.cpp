@@ -19,14 +19,12 @@ using evaluation::SegmentationReport;
 using radar_dot::fieldsOf;
 
 struct Options {
-  std::vector<std::string> merge;
   int jobs = 1;
   bool compare_loop = false, ablation = false, best = false;
   evaluation::SegmentationEvaluationOptions evaluation;
 
   void describe(radar_dot::FieldList& fields) {
     fields.group("Input");
-    fields.add("merge", merge, "Reports of other runs (--json) that become one table, instead of a dataroot");
     fields.add("jobs", jobs, "Scenes that are evaluated at a time", "", {1, 1024});
     evaluation.describe(fields);
     fields.group("Comparison");
@@ -136,11 +134,9 @@ Results evaluateAll(Evaluator& evaluator) {
   return results;
 }
 
-Results merge(const std::vector<std::string>& files, const dataset::LeftOut& left_out) {
-  Results results{evaluation::mergeJson(files), {}, evaluation::mergeComparison(files)};
-  for (const SegmentationReport& scene : results.scenes) results.overall += scene;
-  for (const auto& [what, why] : evaluation::mergeLeftOut(files)) left_out.add(what, why);
-  return results;
+Results merge(Evaluator& evaluator) {
+  const auto [scenes, overall] = evaluator.merged<SegmentationReport>();
+  return {scenes, overall, evaluation::mergeComparison(evaluator.input.merge)};
 }
 
 void write(const Evaluator& evaluator, const Results& results) {
@@ -155,10 +151,8 @@ void write(const Evaluator& evaluator, const Results& results) {
 void addRules(Evaluator& evaluator) {
   const Options& options = evaluator.options;
   const auto name_of = [&options](const void* member) { return tools::nameOf(options, member); };
-  const std::string merge = name_of(&options.merge);
   const std::string ablation = name_of(&options.ablation);
-  evaluator.command_line.require(evaluator.dataroot(), merge, [&options] { return options.merge.empty(); });
-  evaluator.command_line.exclude(merge, evaluator.dataroot());
+  evaluator.requireScenes();
   evaluator.command_line.exclude(ablation, name_of(&options.compare_loop));
   evaluator.command_line.exclude(ablation, name_of(&options.best));
 }
@@ -197,7 +191,6 @@ int main(int argc, char** argv) {
       configuration.optical_flow = options.optical_flow;
       configuration.dynamic_segmentation = options.segmentation;
     }
-    write(evaluator, evaluator.options.merge.empty() ? evaluateAll(evaluator)
-                                                     : merge(evaluator.options.merge, evaluator.left_out));
+    write(evaluator, evaluator.input.merge.empty() ? evaluateAll(evaluator) : merge(evaluator));
   });
 }

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "command_line.h"
+#include "evaluation/merged_reports.h"
 #include "parameter_document.h"
 #include "radar_dot/config/sections.h"
 #include "radar_dot/dataset/tables.h"
@@ -26,16 +28,18 @@ namespace radar_dot::tools {
 /// libtorch, reads it when it is loaded. A value set by the user is kept.
 inline void letWaitingThreadsSleep() { setenv("OMP_WAIT_POLICY", "passive", 0); }
 
-/// The scenes of a dataroot.
+/// The scenes of a dataroot, or reports of them.
 struct SceneInput {
   std::string dataroot, version = "v1.0-mini";
-  std::vector<std::string> scenes;
+  std::vector<std::string> scenes, merge;
 
   void describe(FieldList& fields) {
     fields.group("Input");
     fields.add("dataroot", dataroot, "Folder with the nuScenes tables and sensor files");
     fields.add("version", version, "Folder of the tables in it; v1.0-sim for simulated ones");
     fields.add("scenes", scenes, "Scenes to evaluate, e.g. scene-0061,scene-0103; empty: all");
+    fields.add("merge", merge,
+               "Reports of other runs (--json) that become one, in this order, instead of a dataroot");
   }
 };
 
@@ -60,10 +64,11 @@ struct Evaluator {
   ResultFiles files;
   CommandLine command_line;
   dataset::LeftOut left_out;
+  std::string parameters;  ///< of merged reports
 
   Evaluator(const std::string& tool, const std::string& purpose, const std::vector<std::string>& examples,
             const std::string& version = SceneInput().version)
-      : command_line(tool, purpose, examples) {
+      : command_line(tool, purpose, examples), tool_(tool) {
     letWaitingThreadsSleep();
     input.version = version;
     command_line.leavesOut("what is missing or broken in the dataroot");
@@ -76,6 +81,14 @@ struct Evaluator {
   Evaluator& operator=(const Evaluator&) = delete;
 
   std::string dataroot() const { return nameOf(input, &input.dataroot); }
+  std::string merge() const { return nameOf(input, &input.merge); }
+
+  /// There must be scenes, or reports of them. @param condition  where; empty: always
+  void requireScenes(const std::function<bool()>& condition = {}) {
+    command_line.require(dataroot(), merge(),
+                         [this, condition] { return input.merge.empty() && (!condition || condition()); });
+    command_line.exclude(merge(), dataroot());
+  }
 
   /// Runs `evaluate()` where the command line asks for it. What goes wrong is one line.
   /// @return the exit code
@@ -101,10 +114,23 @@ struct Evaluator {
     return tables;
   }
 
-  /// Evaluates all scenes by evaluate(tables, row of the scene) -> Report, see scene_loop.h.
+  /// The reports of --merge.
+  template <typename Report>
+  SceneReports<Report> merged() {
+    const evaluation::SavedReports saved = evaluation::readReports(tool_, input.merge);
+    SceneReports<Report> reports{evaluation::scenesOf<Report>(saved), {}};
+    for (const Report& scene : reports.scenes) reports.overall += scene;
+    for (const auto& [what, why] : saved.left_out) left_out.add(what, why);
+    parameters = saved.parameters;
+    return reports;
+  }
+
+  /// Those of --merge, or evaluates all scenes by evaluate(tables, row of the scene) -> Report, see
+  /// scene_loop.h.
   template <typename Evaluate>
   auto scenes(const Evaluate& evaluate) {
     using Report = decltype(evaluate(std::declval<const dataset::Tables&>(), dataset::Index()));
+    if (!input.merge.empty()) return merged<Report>();
     const dataset::Tables tables = load();
     return evaluateScenes<Report>(tables, 1, 1,
                                   [&](dataset::Index scene, std::size_t) { return evaluate(tables, scene); })
@@ -120,8 +146,12 @@ struct Evaluator {
     const std::map<std::string, std::string> entries = left_out.entries();
     if (!entries.empty()) table += "\nLeft out:\n";
     for (const auto& [what, why] : entries) table += fmt::format("  {}: {}\n", what, why);
-    files.write(command_line.parametersJson(), withLeftOut(json, entries), csv, table);
+    files.write(parameters.empty() ? command_line.parametersJson() : parameters, withLeftOut(json, entries),
+                csv, table);
   }
+
+ private:
+  std::string tool_;
 };
 
 }  // namespace radar_dot::tools

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/merged_reports.h"
 #include "fixtures/files.h"
 #include "fixtures/refusal.h"
 
@@ -24,6 +25,10 @@ SegmentationReport report(const std::string& scene, std::size_t tp, std::size_t 
   result.seconds = 0.24;
   result.velocity_error = {0.75, 3};
   return result;
+}
+
+std::vector<SegmentationReport> mergedOf(const std::vector<std::string>& files) {
+  return scenesOf<SegmentationReport>(readReports("evaluate_segmentation", files));
 }
 
 SegmentationReport sumOf(const std::vector<SegmentationReport>& scenes) {
@@ -83,20 +88,20 @@ TEST_F(SegmentationFiles, MergedFilesGiveTheSameTable) {
   const std::string first = write("a.json", formatJson(std::vector{a}, a));
   const std::string second = write("b.json", formatJson(std::vector{b}, b));
   EXPECT_NE(formatJson(std::vector{b}, b).find("\"iou\": null"), std::string::npos);
-  const std::vector<SegmentationReport> merged = mergeJson({first, second});
+  const std::vector<SegmentationReport> merged = mergedOf({first, second});
   ASSERT_EQ(merged.size(), 2U);
-  EXPECT_EQ(merged[0].scene, "scene-0001");
+  EXPECT_EQ(merged[0].scene, "scene-0002") << "in the order of the files";
   SegmentationReport overall = a;
   overall += b;
-  EXPECT_EQ(formatTable(merged, overall), formatTable({b, a}, overall));
-  EXPECT_EQ(formatCsv(merged, overall), formatCsv({b, a}, overall));
+  EXPECT_EQ(formatTable(merged, overall), formatTable({a, b}, overall));
+  EXPECT_EQ(formatCsv(merged, overall), formatCsv({a, b}, overall));
 }
 
 TEST_F(SegmentationFiles, WrongFilesAreNamed) {
   const SegmentationReport a = report("scene-0001", 1, 1, 1, 1);
   const std::string good = write("good.json", formatJson(std::vector{a}, a));
   const auto expect = [](const std::vector<std::string>& files, const std::string& part) {
-    test::expectRefusal<std::runtime_error>([&files] { mergeJson(files); }, {part});
+    test::expectRefusal<std::runtime_error>([&files] { mergedOf(files); }, {part});
   };
   expect({good, good}, "scene-0001 also stands in");
   expect({"/nowhere.json"}, "/nowhere.json: cannot be opened");
@@ -104,16 +109,9 @@ TEST_F(SegmentationFiles, WrongFilesAreNamed) {
   expect({write("other.json", "{}")}, "has no list 'scenes'");
   expect({write("tail.json", formatJson(std::vector{a}, a) + "x")}, "tail.json: byte");
   expect({write("deep.json", std::string(1000000, '['))}, "deep.json: byte");
-  SegmentationReport impossible = a;
-  impossible.without_motion = impossible.frames + 1;
-  expect({write("more.json", formatJson({impossible}, a))}, "field 'without_motion'");
-  impossible = a;
-  impossible.velocity_error.count = impossible.frames + 1;
-  expect({write("pairs.json", formatJson({impossible}, a))}, "field 'velocity_error_count'");
-  impossible = a;
-  impossible.seconds = -1.0;
-  expect({write("negative.json", formatJson({impossible}, a))}, "field 'seconds'");
-  expect({write("field.json", "{\"scenes\": [{\"scene\": \"a\", \"frames\": -1}]}")}, "field 'frames'");
+  expect({write("old.json", "{\"scenes\": [{\"scene\": \"a\"}]}")}, "field 'sums'");
+  expect({write("sums.json", "{\"scenes\": [{\"scene\": \"a\", \"sums\": \"1 2\"}]}")},
+         "scene 0: field 'sums'");
 }
 
 TEST(LoopComparison, VariantsAreTheFourCombinations) {
@@ -214,7 +212,7 @@ TEST_F(SegmentationFiles, ComparisonsSumUp) {
   for (const Variants variants : {Variants::kLoop, Variants::kAblation}) {
     const std::string first = write("a.json", variants, {a});
     const std::string second = write("b.json", variants, {b});
-    EXPECT_EQ(mergeJson({first, second}).size(), 2U);  // the scenes are there as without the comparison
+    EXPECT_EQ(mergedOf({first, second}).size(), 2U);  // the scenes are there as without the comparison
     const auto merged = mergeComparison({first, second});
     ASSERT_TRUE(merged.has_value());
     EXPECT_EQ(merged->variants, variants);
@@ -254,17 +252,15 @@ TEST_F(SegmentationFiles, EveryFieldIsCheckedByName) {
       const std::string file = write("broken.json", broken);
       test::expectRefusal<std::runtime_error>(
           [&file] {
-            mergeJson({file});
+            mergedOf({file});
             mergeComparison({file});
           },
           {file + ": " + list + " 0", "'" + field + "'"});
     }
   };
-  expect(Variants::kLoop, "scene",
-         {"scene", "frames", "without_motion", "true_positives", "false_positives", "false_negatives",
-          "true_negatives", "seconds", "velocity_error_sum", "velocity_error_count"});
-  expect(Variants::kLoop, "loop", {"mask_to_velocity", "radar_to_mask", "overall", "velocity_error_sum"});
-  expect(Variants::kAblation, "ablation", {"name", "scenes", "scene", "frames"});
+  expect(Variants::kLoop, "scene", {"scene", "sums"});
+  expect(Variants::kLoop, "loop", {"mask_to_velocity", "radar_to_mask", "overall", "sums"});
+  expect(Variants::kAblation, "ablation", {"name", "scenes", "scene", "sums"});
 }
 
 }  // namespace

@@ -67,11 +67,7 @@ struct MountError {
   double yaw() const {       ///< psi, rad; NaN while the radar never moved
     return denominator > 0.0 ? numerator / denominator : std::numeric_limits<double>::quiet_NaN();
   }
-  MountError& operator+=(const MountError& other) {
-    numerator += other.numerator;
-    denominator += other.denominator;
-    return *this;
-  }
+  void describe(Figures& figures);
 };
 
 /// Results of one scene, or of several merged by operator+=.

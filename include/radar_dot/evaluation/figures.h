@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <sstream>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -25,7 +27,8 @@
 //       }
 //     };
 //
-// The sum of scenes, JSON, CSV and the cells of tables are all derived from the list.
+// The sum of scenes, JSON and what it is merged from, CSV and the cells of tables are all derived from the
+// list.
 
 namespace radar_dot::evaluation {
 
@@ -89,6 +92,64 @@ struct AddMember {
   }
 };
 
+/// What adds up in a report as a text without rounding, and read back from it: of the same members as
+/// AddMember.
+class SumsText {
+ public:
+  SumsText() = default;                                                      ///< to be written
+  explicit SumsText(const std::string& text) : text_(text), reads_(true) {}  ///< to be read
+
+  std::string text() const { return text_.str(); }
+  /// Was the text read to its end, and nothing else in it?
+  bool isRead() { return !failed_ && (text_ >> std::ws).eof(); }
+
+  void operator()(std::uint64_t& count);
+  void operator()(double& number);
+  void operator()(std::string& word);
+  void operator()(Mean& mean) {
+    (*this)(mean.sum);
+    (*this)(mean.count);
+  }
+  template <typename Report>
+  void operator()(Report& report) {
+    figuresOf(report).keepParts(*this);
+  }
+  template <typename Value>
+  void operator()(std::vector<Value>& list) {
+    list.resize(size(list.size()));
+    for (Value& value : list) (*this)(value);
+  }
+  template <typename Value>
+  void operator()(std::map<std::string, Value>& map) {
+    std::vector<std::string> keys;
+    for (const auto& entry : map) keys.push_back(entry.first);
+    (*this)(keys);
+    for (const std::string& key : keys) (*this)(map[key]);
+  }
+  /// Most of a histogram is zero.
+  template <std::size_t bins>
+  void operator()(std::array<std::uint64_t, bins>& histogram) {
+    const auto zeros = static_cast<std::size_t>(std::count(histogram.begin(), histogram.end(), 0U));
+    const std::size_t filled = size(bins - zeros);
+    std::uint64_t bin = 0;
+    for (std::size_t i = 0; i < filled; ++i, ++bin) {
+      while (!reads_ && histogram[bin] == 0) ++bin;
+      (*this)(bin);
+      failed_ = failed_ || bin >= bins;
+      if (failed_) return;
+      (*this)(histogram[bin]);
+    }
+  }
+
+ private:
+  std::string next();
+  /// No list is longer than its text.
+  std::size_t size(std::size_t count);
+
+  std::stringstream text_;
+  bool reads_ = false, failed_ = false;
+};
+
 /// The figures of one report, which must outlive it.
 class Figures {
  public:
@@ -99,7 +160,7 @@ class Figures {
     Kind kind = Kind::kFigure;
     double number = 0.0;  ///< NaN: there is none
     std::uint64_t count = 0;
-    void* member = nullptr;  ///< std::uint64_t or double that is summed and read back; null: computed
+    void* member = nullptr;  ///< std::uint64_t or double that is summed; null: computed
   };
 
   void name(const std::string& scene) { name_ = scene; }
@@ -125,9 +186,11 @@ class Figures {
   template <typename Part>
   void part(Part& part) {
     if (is_shown_only_) return;
-    parts_.push_back({&part, [](void* into, const void* from) {
+    parts_.push_back({&part,
+                      [](void* into, const void* from) {
                         AddMember()(*static_cast<Part*>(into), *static_cast<const Part*>(from));
-                      }});
+                      },
+                      [](void* member, SumsText& text) { text(*static_cast<Part*>(member)); }});
   }
   /// What a member describes; its keys are followed by the suffix.
   template <typename Part>
@@ -159,6 +222,12 @@ class Figures {
   const Item* find(const std::string& key) const;
   /// Adds the parts of a report of the same type to those of this one.
   void addParts(const Figures& other) const;
+  /// Writes the parts of the report to the text, or reads them from it.
+  void keepParts(SumsText& text) const;
+  /// Text of the parts; empty where there are none.
+  std::string sums() const;
+  /// Sets the parts. @throws std::runtime_error naming `where` for what is not sums() of such a report
+  void readSums(const std::string& text, const std::string& where) const;
   /// Without nested objects: by kind, otherwise as declared.
   void sort();
 
@@ -166,6 +235,7 @@ class Figures {
   struct Part {
     void* member;
     void (*add)(void* into, const void* from);
+    void (*keep)(void* member, SumsText& text);
   };
 
   void add(const std::string& key, Kind kind, double number = 0.0, std::uint64_t count = 0,
@@ -203,7 +273,7 @@ std::string jsonOf(const std::vector<Figures>& scenes, const Figures& overall);
 std::string csvOf(const std::vector<Figures>& scenes, const Figures& overall);
 
 /// {"scenes": [{"scene", figures, counts, sums}], "overall": {same keys}}. Figures that do not exist are
-/// null.
+/// null. Each has its SumsText as "sums", from which reports are merged.
 template <typename Report>
 std::string formatJson(const std::vector<Report>& scenes, const Report& overall) {
   return jsonOf(figuresOf(scenes), figuresOf(overall));

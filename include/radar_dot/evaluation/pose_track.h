@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "radar_dot/common/pose_buffer.h"
+#include "radar_dot/evaluation/figures.h"
 
 namespace radar_dot::evaluation {
 
@@ -50,7 +51,7 @@ struct TrajectoryError {
 
   double rootMeanSquare() const;  ///< absolute trajectory error, m; NaN without poses
   double driftPercent() const;    ///< end error in % of the distance; NaN below 10 m
-  TrajectoryError& operator+=(const TrajectoryError& other);
+  void describe(Figures& figures);
 };
 
 /// Compares positions at the times of the estimate.

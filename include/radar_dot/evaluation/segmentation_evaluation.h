@@ -82,10 +82,6 @@ SegmentationReport evaluateSegmentation(const dataset::Tables& tables, dataset::
 
 /// Plain-text table in the form of the paper's Table I; the last row is the overall result.
 std::string formatTable(const std::vector<SegmentationReport>& scenes, const SegmentationReport& overall);
-/// Reads files of formatJson and gives their scenes in order of their names.
-/// @throws std::runtime_error naming file and field for what is no such file, and naming both files for a
-///         scene that stands in two of them.
-std::vector<SegmentationReport> mergeJson(const std::vector<std::string>& files);
 
 }  // namespace radar_dot::evaluation
 

@@ -15,7 +15,8 @@ struct PixelFootprint {
   float along = 0.001F;   ///< the long way, where the surface is seen at a grazing angle
 };
 
-inline std::uint32_t hashBits(std::int32_t x, std::int32_t y, std::uint32_t seed) noexcept {
+[[gnu::always_inline]] inline std::uint32_t hashBits(std::int32_t x, std::int32_t y,
+                                                     std::uint32_t seed) noexcept {
   std::uint32_t bits = seed + static_cast<std::uint32_t>(x) * 0x9e3779b1U;
   bits = (bits ^ (bits >> 15)) * 0x85ebca77U;
   bits += static_cast<std::uint32_t>(y) * 0xc2b2ae3dU;
@@ -24,7 +25,7 @@ inline std::uint32_t hashBits(std::int32_t x, std::int32_t y, std::uint32_t seed
 }
 
 /// In [0, 1).
-inline float hashUnit(std::int32_t x, std::int32_t y, std::uint32_t seed) noexcept {
+[[gnu::always_inline]] inline float hashUnit(std::int32_t x, std::int32_t y, std::uint32_t seed) noexcept {
   return static_cast<float>(hashBits(x, y, seed) >> 8) * 0x1.0p-24F;
 }
 
@@ -34,13 +35,13 @@ inline float smoothStep(float low, float high, float value) noexcept {
 }
 
 /// std::floor without the library call that it is on the oldest x86-64.
-inline std::int32_t floorOf(float value) noexcept {
+[[gnu::always_inline]] inline std::int32_t floorOf(float value) noexcept {
   const auto truncated = static_cast<std::int32_t>(value);
   return truncated - (static_cast<float>(truncated) > value ? 1 : 0);
 }
 
 /// Smooth noise with features one unit apart, in [-1, 1].
-inline float valueNoise(float x, float y, std::uint32_t seed) noexcept {
+[[gnu::always_inline]] inline float valueNoise(float x, float y, std::uint32_t seed) noexcept {
   const std::int32_t ix = floorOf(x);
   const std::int32_t iy = floorOf(y);
   const float fx = x - static_cast<float>(ix);
@@ -60,23 +61,10 @@ inline float visibleShare(float wavelength, const PixelFootprint& footprint) noe
   return footprint.along > wavelength ? sharp * std::sqrt(wavelength / footprint.along) : sharp;
 }
 
-/// Noise with details from `longest` (m) over `octaves` halvings, each `gain` times as strong as the
-/// one before; what a pixel cannot resolve is left out. About in [-1, 1].
-inline float fractalNoise(float x, float y, float longest, int octaves, float gain,
-                          const PixelFootprint& footprint, std::uint32_t seed) noexcept {
-  float sum = 0.0F;
-  float amplitude = 1.0F;
-  float wavelength = longest;
-  for (int octave = 0; octave < octaves; ++octave) {
-    const float share = visibleShare(wavelength, footprint);
-    if (share <= 0.0F) break;  // nor do finer ones
-    sum += amplitude * share *
-           valueNoise(x / wavelength, y / wavelength, seed + static_cast<std::uint32_t>(octave));
-    amplitude *= gain;
-    wavelength *= 0.5F;
-  }
-  return sum;
-}
+/// Noise with details from `longest` (m) over `octaves` halvings, 8 at most, each `gain` times as strong as
+/// the one before; what a pixel cannot resolve is left out. About in [-1, 1], and the same on every machine.
+float fractalNoise(float x, float y, float longest, int octaves, float gain, const PixelFootprint& footprint,
+                   std::uint32_t seed) noexcept;
 
 /// Fraction of a pixel that a line of `width` around position 0 covers when the pixel's box of `size` is
 /// centred at `position` (all m).
