@@ -207,8 +207,7 @@ void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
   }
   computation_time_ = (ProcessClock::now() - start).toSec();
   publisher_.publish(flowMessage(first_header, second_header.stamp, field, size));
-  latency_ =
-      ros::Time::now().toSec() - std::max(pair.first->header().stamp, pair.second->header().stamp).toSec();
+  latency_ = since(std::max(pair.first->header().stamp, pair.second->header().stamp));
   ++computed_;
   noteOutput();
 }
