@@ -5,10 +5,13 @@
 
 Subscribes: ego/twist, ego/status, odom, ground_truth/odom; with ~masks also dynamic/mask and
 ground_truth/dynamic_mask/compressed. Speeds in m/s, distances in m.
+Parameter: ~masks, whether masks are compared as well.
 """
+import argparse
 import bisect
 import io
 import math
+import sys
 import threading
 
 import numpy as np
@@ -110,13 +113,24 @@ class Summary:
 
     def on_odometry(self, message):
         with self.lock:
-            position = message.pose.pose.position
-            self.poses.append((message.header.stamp.to_sec(), position.x, position.y))
+            self.poses.append((message.header.stamp.to_sec(), *self.pose(message)))
 
     def on_truth(self, message):
         with self.lock:
-            position = message.pose.pose.position
-            self.truth.add(message.header.stamp.to_sec(), (position.x, position.y, message.twist.twist.linear.x))
+            self.truth.add(message.header.stamp.to_sec(), (message.twist.twist.linear.x, *self.pose(message)))
+
+    @staticmethod
+    def pose(message):
+        """x, y, and cosine and sine of the yaw."""
+        position, q = message.pose.pose.position, message.pose.pose.orientation
+        yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+        return position.x, position.y, math.cos(yaw), math.sin(yaw)
+
+    @staticmethod
+    def seen_from(start, pose):
+        """Position in the frame of another pose."""
+        x, y, (cosine, sine) = pose[0] - start[0], pose[1] - start[1], start[2:]
+        return cosine * x + sine * y, cosine * y - sine * x
 
     def lines(self):
         yield f"sweeps estimated      {self.sweeps}"
@@ -128,15 +142,15 @@ class Summary:
             yield f"inlier share          {self.inliers / self.returns:.3f}"
         if self.computation:
             yield f"computation (median)  {1e3 * sorted(self.computation)[len(self.computation) // 2]:.3f} ms per sweep"
-        errors = [abs(speed - true[2]) for time, speed in self.twists for true in [self.truth.at(time)] if true]
+        errors = [abs(speed - true[0]) for time, speed in self.twists for true in [self.truth.at(time)] if true]
         if errors:
             yield f"forward speed error   {sum(errors) / len(errors):.3f} m/s (mean, against /ground_truth/odom)"
-        ends = [(pose, true) for pose in self.poses for true in [self.truth.at(pose[0])] if true]
-        if ends:
+        pairs = [(pose[1:], true[1:]) for pose in self.poses for true in [self.truth.at(pose[0])] if true]
+        if pairs:
             truth = self.truth.values
-            distance = sum(math.dist(a[:2], b[:2]) for a, b in zip(truth[::10], truth[10::10]))
-            pose, true = ends[-1]
-            error = math.hypot(pose[1] - true[0], pose[2] - true[1])
+            distance = sum(math.dist(a[1:3], b[1:3]) for a, b in zip(truth[::10], truth[10::10]))
+            # The odometry may start at zero, whatever the frame of the truth.
+            error = math.dist(*[self.seen_from(first, last) for first, last in zip(pairs[0], pairs[-1])])
             yield f"odometry end error    {error:.2f} m after {distance:.0f} m"
         if self.masks:
             yield from self.masks.lines()
@@ -147,7 +161,13 @@ class Summary:
 
 
 def main():
-    rospy.init_node("replay_summary")
+    argparse.ArgumentParser(
+        prog="replay_summary.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="A ROS node: names and parameters as for any other, e.g. _masks:=true").parse_args(rospy.myargv()[1:])
+    try:
+        rospy.init_node("replay_summary")
+    except rospy.exceptions.ROSInitException as error:  # interrupted, e.g. as another node has failed
+        sys.exit(f"replay_summary: {error}")
     summary = Summary(Masks() if rospy.get_param("~masks", False) else None)
     rospy.on_shutdown(summary.report)
     rospy.spin()

@@ -5,8 +5,9 @@
 with the most moving pixels (without annotation: at the image with the largest mask).
 
 Subscribes: overlay/six_panel, overlay/mask, dynamic/mask, ground_truth/dynamic_mask/compressed.
-Parameter: ~folder, where six_panel.png and mask_overlay.png go.
+Parameter: ~folder, where six_panel.png and mask_overlay.png go; made where it is not there.
 """
+import argparse
 import io
 import os
 import sys
@@ -86,10 +87,15 @@ class Saver:
 
 
 def main():
-    rospy.init_node("save_pictures")
-    folder = rospy.get_param("~folder", "")
-    if not os.path.isdir(folder):
-        sys.exit(f"save_pictures: ~folder '{folder}' is not a folder")
+    argparse.ArgumentParser(
+        prog="save_pictures.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="A ROS node: names and parameters as for any other, e.g. _folder:=$PWD").parse_args(rospy.myargv()[1:])
+    try:
+        rospy.init_node("save_pictures")
+        folder = rospy.get_param("~folder", "")
+        os.makedirs(folder, exist_ok=True)
+    except (rospy.exceptions.ROSInitException, OSError) as error:
+        sys.exit(f"save_pictures: {error}")
     saver = Saver(folder)
     rospy.on_shutdown(saver.save)
     rospy.spin()

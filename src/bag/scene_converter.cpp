@@ -96,8 +96,8 @@ ConvertSummary summaryOf(const fs::path& file, const Tables& tables, const Scene
   return summary;
 }
 
-/// What `rosbag play` looks for to latch a topic again.
-boost::shared_ptr<ros::M_string> latchedTfHeader() {
+/// What `rosbag play` looks for to latch a topic again, and which vehicle the bag is of.
+boost::shared_ptr<ros::M_string> latchedTfHeader(const std::string& vehicle) {
   auto header = boost::make_shared<ros::M_string>();
   (*header)["callerid"] = kNodeName;
   (*header)["latching"] = "1";
@@ -105,6 +105,7 @@ boost::shared_ptr<ros::M_string> latchedTfHeader() {
   (*header)["type"] = ros::message_traits::DataType<tf2_msgs::TFMessage>::value();
   (*header)["md5sum"] = ros::message_traits::MD5Sum<tf2_msgs::TFMessage>::value();
   (*header)["message_definition"] = ros::message_traits::Definition<tf2_msgs::TFMessage>::value();
+  (*header)["vehicle"] = vehicle;
   return header;
 }
 
@@ -114,7 +115,7 @@ class SceneWriter {
   SceneWriter(const Tables& tables, const SceneContent& content, BagFile& bag)
       : tables_(tables), content_(content), bag_(bag) {}
 
-  void writeMounts(const ros::Time& start);
+  void writeMounts(const ros::Time& start, const std::string& vehicle);
   void write(const Event& event);
 
   std::size_t readings() const noexcept { return readings_; }
@@ -137,14 +138,14 @@ class SceneWriter {
   std::map<std::string, std::uint32_t> clouds_;  // by frame: how many
 };
 
-void SceneWriter::writeMounts(const ros::Time& start) {
+void SceneWriter::writeMounts(const ros::Time& start, const std::string& vehicle) {
   tf2_msgs::TFMessage mounts;
   for (const Index reading : content_.mounts) {
     const dataset::SampleData& row = at(tables_.sample_data, reading);
     mounts.transforms.push_back(toTransform(at(tables_.calibrated_sensors, row.calibrated_sensor),
                                             frameOf(tables_.channelOf(row)), start));
   }
-  bag_.write("/tf_static", start, mounts, latchedTfHeader());
+  bag_.write("/tf_static", start, mounts, latchedTfHeader(vehicle));
 }
 
 void SceneWriter::write(const Event& event) {
@@ -240,7 +241,9 @@ ConvertSummary convertScene(const Tables& tables, Index scene, const fs::path& f
   BagFile bag(file, options.compression, options.overwrite);
   SceneWriter writer(tables, content, bag);
   // Readers of a bag do not order messages of the same time: a microsecond keeps the mounts first.
-  writer.writeMounts(toTime(events.front().time_us - 1));
+  const Index log = at(tables.scenes, scene).log;
+  writer.writeMounts(toTime(events.front().time_us - 1),
+                     log == dataset::kNone ? "" : at(tables.logs, log).vehicle);
   for (const Event& event : events) {
     writer.write(event);
     if (progress) progress(writer.readings(), content.readings.size());

@@ -16,10 +16,12 @@ namespace {
 using dataset::Index;
 using dataset::Tables;
 
-bool isByLidar(const DepthEvaluationOptions& options) { return options.truth == DepthTruth::kLidar; }
+DepthSource sourceOf(const DepthEvaluationOptions& options, bool by_lidar) {
+  return {options.depth, options.depth_input, by_lidar};
+}
 
-DepthSource sourceOf(const DepthEvaluationOptions& options) {
-  return {options.depth, options.depth_input, isByLidar(options)};
+std::filesystem::path folderOfTruth(const std::filesystem::path& dataroot) {
+  return dataroot / "ground_truth" / "depth";
 }
 
 /// What backend motion looks at, as a vehicle has it.
@@ -86,16 +88,28 @@ void DepthReport::describe(Figures& figures) {
 void validate(const DepthEvaluationOptions& options) {
   validateFields(options);
   validate(options.depth);
-  validate(sourceOf(options));
+  validate(sourceOf(options, options.truth == DepthTruth::kLidar));
+}
+
+DepthTruth truthOf(const DepthEvaluationOptions& options, const std::filesystem::path& dataroot) {
+  if (options.truth != DepthTruth::kAuto) return options.truth;
+  return std::filesystem::is_directory(folderOfTruth(dataroot)) ? DepthTruth::kGroundTruth
+                                                                : DepthTruth::kLidar;
 }
 
 DepthReport evaluateDepth(const Tables& tables, Index scene, const DepthEvaluationOptions& options) {
   validate(options);
-  const bool by_lidar = isByLidar(options);
+  const bool by_lidar = truthOf(options, tables.dataroot()) == DepthTruth::kLidar;
+  if (const std::filesystem::path folder = folderOfTruth(tables.dataroot());
+      !by_lidar && !std::filesystem::is_directory(folder)) {
+    throw dataset::DatasetError(
+        fmt::format("{}: is not there; exact depth is that of a simulated dataroot; choose truth lidar",
+                    folder.string()));
+  }
   const std::vector<Index> images = imagesOf(tables, scene, options);
   const RadarScene radar = loadRadarScene(tables, scene, options.radar_channels, options.ego_velocity);
   const SegmentationEvaluationOptions image_options = imageOptionsOf(options);
-  SceneImages depths(tables, radar, image_options, sourceOf(options));
+  SceneImages depths(tables, radar, image_options, sourceOf(options, by_lidar));
   DepthReport report;
   report.scene = tables.scenes[at(scene)].name;
   for (const Index row : images) {

@@ -12,9 +12,9 @@ class DecodeImageNodelet : public ConfiguredNodelet<StreamParams> {
   void setUp() override {
     describe("decoder", config_);
     publisher_ = getNodeHandle().advertise<sensor_msgs::Image>("image", 2);
-    listenAs<sensor_msgs::CompressedImage>(
+    watchImages(*listenAs<sensor_msgs::CompressedImage>(
         "input image", std::make_unique<InputMonitor>("image", expectation(), true), "image/compressed", 1,
-        [this](const sensor_msgs::CompressedImageConstPtr& image) { decode(*image); });
+        [this](const sensor_msgs::CompressedImageConstPtr& image) { decode(*image); }));
   }
   bool hasAudience() const override { return publisher_.getNumSubscribers() > 0; }
 

@@ -201,7 +201,7 @@ void DynamicSegmentationNodelet::segment(const Inputs& inputs) {
   publish(inputs, outcome);
   if (config_.looksBack() && !outcome.looked_back) ++without_past_since_report_;
 
-  latency_ = ros::Time::now().toSec() - std::max(inputs.pair.first_time, inputs.pair.second_time);
+  latency_ = since(ros::Time(std::max(inputs.pair.first_time, inputs.pair.second_time)));
   const auto total = static_cast<double>(result.mask.total());
   valid_share_ = static_cast<double>(result.valid_count) / total;
   mask_share_ = cv::countNonZero(result.mask) / total;

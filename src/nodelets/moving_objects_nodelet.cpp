@@ -256,7 +256,7 @@ void MovingObjectsNodelet::publish(const ros::Time& stamp) {
   if (!pose) return;  // it was there for the scan
   const MovingObjects message = objectsAt(stamp, *pose, config_.frame);
   objects_ = message.objects.size();
-  latency_ = ros::Time::now().toSec() - stamp.toSec();
+  latency_ = since(stamp);
   objects_publisher_.publish(message);
   if (markers_publisher_.getNumSubscribers() > 0)
     markers_publisher_.publish(markers_.update(message, config_.marker_lifetime));

@@ -217,7 +217,7 @@ void OpticalFlowNodelet::compute(const Pair& pair, const cv::Mat& expected) {
   }
   computation_time_ = (ProcessClock::now() - start).toSec();
   publisher_.publish(flowMessage(first_header, second_header.stamp, field, size));
-  latency_ = ros::Time::now().toSec() - std::max(first_header.stamp, second_header.stamp).toSec();
+  latency_ = since(std::max(pair.first->header().stamp, pair.second->header().stamp));
   const ros::WallTime end = ProcessClock::now();
   pace_.addPair(std::abs((second_header.stamp - first_header.stamp).toSec()), (end - start).toSec(),
                 end.toSec());

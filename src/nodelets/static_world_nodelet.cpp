@@ -207,7 +207,7 @@ sensor_msgs::PointCloud2ConstPtr StaticWorldNodelet::withoutMoving(
 void StaticWorldNodelet::notePublished(const ros::Time& stamp) {
   ++published_;
   ++published_since_report_;
-  latency_ = ros::Time::now().toSec() - stamp.toSec();
+  latency_ = since(stamp);
   noteOutput();
 }
 

@@ -15,8 +15,7 @@ int main(int argc, char** argv) {
   tools::Evaluator<evaluation::DepthEvaluationOptions> evaluator(
       "evaluate_depth", "Scores the depth of camera images on a nuScenes dataroot, as JustDepth is scored.",
       {"evaluate_depth --dataroot sim --version v1.0-sim --config config/simulation.yaml",
-       "evaluate_depth --dataroot /data/nuscenes --config config/nuscenes.yaml --depth-backend lidar --truth "
-       "lidar"});
+       "evaluate_depth --dataroot /data/nuscenes --config config/nuscenes.yaml --depth-backend lidar"});
   evaluator.command_line.add("", fieldsOf(evaluator.configuration.depth));
   evaluator.command_line.add("", fieldsOf(evaluator.configuration.optical_flow.flow));
   evaluator.command_line.add("", fieldsOf(evaluator.configuration.ego_velocity), tools::onlyGroup("Returns"));
@@ -25,6 +24,7 @@ int main(int argc, char** argv) {
     evaluation::DepthEvaluationOptions& options = evaluator.options;
     options.ego_velocity = evaluator.configuration.ego_velocity;
     options.depth = evaluator.configuration.depth;
+    options.truth = truthOf(options, evaluator.input.dataroot);
     options.optical_flow = evaluator.configuration.optical_flow;
     options.motion_uncertainty = evaluator.configuration.dynamic_segmentation.motion_uncertainty;
     validate(options);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -111,6 +112,7 @@ struct Evaluator {
     load.scenes = input.scenes;
     dataset::Tables tables = dataset::Tables::load(input.dataroot, load);
     left_out = tables.left_out;
+    warnOfRealRadars(tables);
     return tables;
   }
 
@@ -151,6 +153,20 @@ struct Evaluator {
   }
 
  private:
+  /// The radars of simulate_drive are exact: what corrects those of nuScenes makes them worse.
+  void warnOfRealRadars(const dataset::Tables& tables) const {
+    const EgoVelocityConfig& radars = configuration.ego_velocity;
+    const bool corrects = radars.extraction.doppler_scale != 1.0 || radars.bearing_delay != 0.0;
+    const auto is_simulated = [](const dataset::Log& log) { return log.vehicle == "simulated"; };
+    if (corrects && std::any_of(tables.logs.begin(), tables.logs.end(), is_simulated))
+      fmt::print(
+          stderr,
+          "{}: is simulated, but {} {} and {} {} correct real radars; --config config/simulation.yaml\n",
+          input.dataroot, nameOf(configuration.ego_velocity, &radars.extraction.doppler_scale),
+          radars.extraction.doppler_scale, nameOf(configuration.ego_velocity, &radars.bearing_delay),
+          radars.bearing_delay);
+  }
+
   std::string tool_;
 };
 

@@ -215,6 +215,9 @@ TEST_P(ConvertedFixture, StaticTransformsAreTheCalibrationsAndLatched) {
     const auto latching = connection->header->find("latching");
     const bool latched = latching != connection->header->end() && latching->second == "1";
     EXPECT_EQ(latched, connection->topic == "/tf_static") << connection->topic;
+    if (latched) {
+      EXPECT_EQ(connection->header->at("vehicle"), "n001");
+    }
   }
 }
 

@@ -170,6 +170,18 @@ TEST_F(DepthEvaluation, ImagesWithoutASweepAreCountedNotCompared) {
   EXPECT_EQ(report.without_truth, 1U);
 }
 
+TEST_F(DepthEvaluation, TheTruthIsWhatTheDatarootHas) {
+  const fs::path truth = folder_->path() / "ground_truth" / "depth";
+  const fs::path hidden = truth.string() + ".hidden";
+  EXPECT_EQ(truthOf({}, folder_->path()), DepthTruth::kGroundTruth);
+  fs::rename(truth, hidden);
+  EXPECT_EQ(truthOf({}, folder_->path()), DepthTruth::kLidar);
+  EXPECT_GE(evaluate("lidar", DepthTruth::kAuto).images, 4U);
+  test::expectRefusal<dataset::DatasetError>([] { evaluate("lidar", DepthTruth::kGroundTruth); },
+                                             {truth.string(), "truth lidar"});
+  fs::rename(hidden, truth);
+}
+
 TEST_F(DepthEvaluation, TheFirstImagesOnly) {
   DepthEvaluationOptions options;
   options.depth.depth.backend = "ground_truth";

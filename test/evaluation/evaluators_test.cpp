@@ -324,10 +324,10 @@ TEST_F(Evaluators, DepthIsWrittenToTableJsonAndCsv) {
                  {{"--max-images -1", "--max-images"},
                   {"--truth radar", "--truth is 'radar'"},
                   {"--truth lidar --scenes scene-0002", "LIDAR_TOP"}});
-  const Outcome refused = runTool("evaluate_depth", dataroot());
-  EXPECT_EQ(refused.exit_code, 1);  // the reader of images may say something of its own before
-  expectParts(refused.text,
-              {"evaluate_depth: scene-0001: " + fixture_->dataroot().string() + "/ground_truth/depth"});
+  const Outcome refused = runTool("evaluate_depth", dataroot() + " --truth ground_truth");
+  EXPECT_EQ(refused.exit_code, 1);
+  expectParts(refused.text, {"evaluate_depth: scene-0001: " + fixture_->dataroot().string() +
+                             "/ground_truth/depth: is not there"});
 }
 
 TEST_F(Evaluators, FlowIsWrittenToTableJsonAndCsv) {

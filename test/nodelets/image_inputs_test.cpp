@@ -3,6 +3,7 @@
 //
 // Decoding, flow, depth and overlay with images, clouds and depth whose results are known, and wrong ones.
 #include <gtest/gtest.h>
+#include <rosgraph_msgs/Log.h>
 
 #include <algorithm>
 #include <atomic>
@@ -99,6 +100,21 @@ TEST_F(ImageInputs, FlowRunsBackwardOnCompressedImagesFartherApart) {
   EXPECT_TRUE(waitUntil([&] {
     return std::abs((flows.latest()->header.stamp - flows.latest()->second_stamp).toSec() - 0.2) < 0.05;
   }));
+}
+
+TEST_F(ImageInputs, ATopicWithoutImagesIsNamedOnce) {
+  const Recorder<rosgraph_msgs::Log> log(handle_, "/rosout");
+  const Recorder<Flow> flows(handle_, "lost/flow");
+  const Recorder<Image> images(handle_, "lost/image");
+  const auto complaints = [&log] {
+    std::vector<std::string> lines;
+    for (const rosgraph_msgs::LogConstPtr& line : log.messages())
+      if (line->msg.find("nothing on '/lost/image") != std::string::npos) lines.push_back(line->msg);
+    return lines;
+  };
+  ASSERT_TRUE(waitUntil([&] { return !complaints().empty(); }));
+  EXPECT_NE(complaints().front().find("image/compressed"), std::string::npos) << "the images at hand";
+  EXPECT_FALSE(waitUntil([&] { return complaints().size() > 1; }, 4.0)) << complaints().back();
 }
 
 TEST_F(ImageInputs, FlowThatStartsFromTheExpectedOneWaitsForIt) {

@@ -66,8 +66,7 @@ TEST(Assignment, IsTheBestOfAll) {
   std::uniform_real_distribution<double> cost(-3.0, 10.0);
   for (int trial = 0; trial < 60; ++trial) {
     Eigen::MatrixXd costs(1 + trial % 3, 1 + trial / 3 % 4);
-    for (Eigen::Index i = 0; i < costs.size(); ++i)
-      costs(i) = cost(random) > 8.0 ? kInfinity : cost(random);
+    for (Eigen::Index i = 0; i < costs.size(); ++i) costs(i) = cost(random) > 8.0 ? kInfinity : cost(random);
     const Partners partners = assign(costs, 6.0);
     EXPECT_NEAR(costOf(costs, partners, 6.0), leastCost(costs, 6.0), 1e-9);
     std::vector<int> taken;

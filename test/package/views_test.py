@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the Radar-Dot developers
 # SPDX-License-Identifier: BSD-3-Clause
-"""The topics and fields in config/plotjuggler.xml and config/radar_dot.perspective are those that the nodelets publish, by
-docs/nodes.md and the definitions of the messages."""
+"""What config/plotjuggler.xml, config/radar_dot.perspective, config/diagnostics.yaml and rviz/ look at is what the
+nodelets publish, by docs/nodes.md, the definitions of the messages and the sources."""
 import ast
 import json
 import pathlib
@@ -11,6 +11,7 @@ import unittest
 import xml.etree.ElementTree
 
 import genpy.message
+import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 NUMBERS = r"u?int(8|16|32|64)|float(32|64)|bool"
@@ -30,6 +31,7 @@ class ViewsTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.types = published()
+        cls.common = (ROOT / "src" / "nodelets" / "common" / "stream_nodelet.cpp").read_text(encoding="utf-8")
         cls.sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*nodelet*.cpp"))
 
     def check_topic(self, topic, kind=None):
@@ -77,6 +79,31 @@ class ViewsTest(unittest.TestCase):
                 self.check_number(path)
             if "ImageView" in name:
                 self.check_topic(keys["topic"], "sensor_msgs/Image")
+
+    def test_diagnostics(self):
+        launch = (ROOT / "launch" / "radar_dot.launch").read_text() + (ROOT / "launch" / "radar.launch").read_text()
+        tree = yaml.safe_load((ROOT / "config" / "diagnostics.yaml").read_text(encoding="utf-8"))
+        names = [name for analyzer in tree["analyzers"]["radar_dot"]["analyzers"].values() for name in analyzer["contains"]]
+        self.assertGreater(len(names), 10)
+        for name in names:
+            node, status = name.split(": ")
+            self.assertTrue(not node or f'name="{node}"' in launch, name)
+            self.assertIn(f'"{status}', self.sources + self.common, name)
+
+    def test_rviz(self):
+        outside = {"ground_truth/boxes"}  # of a bag of nuscenes_to_bag
+        for layout in (ROOT / "rviz").glob("*.rviz"):
+            displays = yaml.safe_load(layout.read_text(encoding="utf-8"))
+            topics = [value for display in displays["Visualization Manager"]["Displays"]
+                      for key, value in display.items() if key.endswith("Topic")]
+            self.assertGreater(len(topics), 3)
+            for topic in set(topics) - outside:
+                self.check_topic("/" + topic)
+            geometry = displays["Window Geometry"]
+            self.assertLessEqual((geometry["Width"], geometry["Height"]), (1600, 900))
+            state = bytes.fromhex(geometry["QMainWindow State"])
+            for panel in set(geometry) - {"Width", "Height", "X", "Y", "QMainWindow State", "Hide Left Dock", "Hide Right Dock"}:
+                self.assertIn(panel.encode("utf-16-be"), state, layout.name)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@
 namespace radar_dot::evaluation {
 
 /// What depth is compared with.
-enum class DepthTruth { kGroundTruth, kLidar };
+enum class DepthTruth { kAuto, kGroundTruth, kLidar };
 
 /// What is evaluated, and with which parameters.
 struct DepthEvaluationOptions {
@@ -28,7 +29,7 @@ struct DepthEvaluationOptions {
   std::vector<std::string> radar_channels;
   std::string camera = "CAM_FRONT";
   std::size_t max_images = 0;
-  DepthTruth truth = DepthTruth::kGroundTruth;
+  DepthTruth truth = DepthTruth::kAuto;
   double after = 0.0;
   bool static_only = false;
 
@@ -38,6 +39,9 @@ struct DepthEvaluationOptions {
 
 /// @throws InvalidParameter, also for what does not go together
 void validate(const DepthEvaluationOptions& options);
+
+/// The truth that a dataroot has, where it is to be chosen.
+DepthTruth truthOf(const DepthEvaluationOptions& options, const std::filesystem::path& dataroot);
 
 /// Results of one scene, or of several merged by operator+=.
 struct DepthReport {
@@ -68,6 +72,7 @@ namespace radar_dot {
 template <>
 struct EnumNames<evaluation::DepthTruth> {
   static constexpr EnumName<evaluation::DepthTruth> kValues[] = {
+      {evaluation::DepthTruth::kAuto, "auto", "ground_truth where the dataroot has it, else lidar"},
       {evaluation::DepthTruth::kGroundTruth, "ground_truth", "of a simulated dataroot"},
       {evaluation::DepthTruth::kLidar, "lidar",
        "every second point of each beam of the nearest LIDAR_TOP sweep, moved to the time of the image as if "

@@ -239,7 +239,8 @@ void RadarMonitor::report(const ros::Time& now, DiagnosticStatusWrapper& status)
   status.addf("returns", "%zu", counts_.total);
   status.addf("returns accepted", "%zu", counts_.accepted);
   status.addf("returns not finite", "%zu", counts_.not_finite);
-  status.addf("scans used", "%zu of %zu", used_, scans_);
+  // One that waited at the last report may be used since.
+  status.addf("scans used", "%zu of %zu", std::min(used_, scans_), scans_);
   status.addf("clouds lost before they arrived", "%zu", lost_);
   status.addf("scans in no sweep", "%zu outside the window, %zu late, %zu at a reset", losses_.outside_window,
               losses_.late, losses_.forgotten);

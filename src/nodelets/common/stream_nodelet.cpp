@@ -3,6 +3,8 @@
 #include "nodelets/common/stream_nodelet.h"
 
 #include <algorithm>
+#include <limits>
+#include <map>
 #include <mutex>
 
 #include "nodelets/inputs/cloud_points.h"
@@ -18,12 +20,25 @@ namespace {
 constexpr double kPeriod = 0.05;  // s, how often the audience and what waits are looked at
 constexpr std::uint32_t kTwistQueue = 20;
 constexpr std::uint32_t kCloudQueue = 20;
+constexpr double kImagePeriod = 3.0;  // s, how often silent images are looked for
 
 /// Nodelets start side by side, but what plugins and parameters are read with is not made for that; and
 /// roscpp connects a publisher and a subscriber of one process twice where one is made while the other is.
 std::recursive_mutex& oneAtATime() {
   static std::recursive_mutex mutex;
   return mutex;
+}
+
+/// What concerns several nodelets of a process is said by the first of them. @param period  s until it is
+/// news again
+bool isNews(const std::string& what, double period) {
+  static std::map<std::string, ros::WallTime> said;
+  const std::lock_guard<std::recursive_mutex> lock(oneAtATime());
+  const ros::WallTime now = ProcessClock::now();
+  const auto [entry, is_new] = said.try_emplace(what, now);
+  if (!is_new && (now - entry->second).toSec() < period) return false;
+  entry->second = now;
+  return true;
 }
 
 }  // namespace
@@ -152,6 +167,7 @@ InputMonitor& StreamNodelet::listenToImages(std::uint32_t queue_size,
                                             const std::function<void(LazyImage)>& body,
                                             InputOptions options) {
   auto monitor = std::make_unique<InputMonitor>("image", expectation_, options.required);
+  watchImages(*monitor);
   const auto transport = getPrivateNodeHandle().param<std::string>("image_transport", "raw");
   if (transport == "compressed") {
     return *listenAs<sensor_msgs::CompressedImage>(
@@ -167,6 +183,38 @@ InputMonitor& StreamNodelet::listenToImages(std::uint32_t queue_size,
         body(LazyImage(withEightBits(image, *bits)));
       },
       std::move(options));
+}
+
+void StreamNodelet::watchImages(const InputMonitor& images) {
+  images_timer_ = ProcessTimer(getNodeHandle(), kImagePeriod, [this, &images] {
+    if (images.heard() || warnedOfSilence(images)) images_timer_.stop();
+  });
+}
+
+bool StreamNodelet::warnedOfSilence(const InputMonitor& images) {
+  // Before the clock of a replay runs, or the drivers, silence says nothing of the names.
+  if (images.topic().empty() || ros::Time::now().isZero()) return false;
+  ros::V_string ours;
+  ros::this_node::getAdvertisedTopics(ours);
+  const auto isOurs = [&ours](const std::string& topic) {
+    return std::find(ours.begin(), ours.end(), topic) != ours.end();
+  };
+  if (isOurs(images.topic())) return true;  // who publishes it knows why
+  ros::master::V_TopicInfo topics;
+  ros::master::getTopics(topics);
+  std::string others;
+  for (const ros::master::TopicInfo& topic : topics) {
+    const bool is_image =
+        topic.datatype == "sensor_msgs/Image" || topic.datatype == "sensor_msgs/CompressedImage";
+    if (is_image && topic.name != images.topic() && !isOurs(topic.name))
+      others += (others.empty() ? "; images at hand: " : ", ") + topic.name;
+  }
+  const bool may_be_new = !std::exchange(others_seen_, images.publishers() > 0 || !others.empty());
+  if (may_be_new || !others_seen_) return false;
+  if (isNews(images.topic(), std::numeric_limits<double>::infinity()))
+    NODELET_WARN("%s: nothing on '%s' yet (%u publishers)%s", getName().c_str(), images.topic().c_str(),
+                 images.publishers(), others.c_str());
+  return true;
 }
 
 bool StreamNodelet::isTopic(const std::string& topic, const std::string& parameter) {
@@ -208,7 +256,8 @@ void StreamNodelet::warn(const std::string& subject, const std::string& text) {
 }
 
 void StreamNodelet::restart(const ros::Time& now) {
-  NODELET_WARN("%s: time jumped back to %.3f s; resetting", getName().c_str(), now.toSec());
+  if (isNews("time", 1.0))
+    NODELET_WARN("%s: time jumped back to %.3f s; resetting", getName().c_str(), now.toSec());
   for (const std::unique_ptr<Input>& input : inputs_) input->monitor->reset();
   clearHistory();
 }

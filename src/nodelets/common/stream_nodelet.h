@@ -7,6 +7,7 @@
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -117,6 +118,8 @@ class StreamNodelet : public nodelet::Nodelet {
   /// image_transport (raw, compressed).
   InputMonitor& listenToImages(std::uint32_t queue_size, const std::function<void(LazyImage)>& body,
                                InputOptions options = {});
+  /// Says so, once per process and topic, where these images stay silent while there are others.
+  void watchImages(const InputMonitor& images);
   /// Can a topic of the parameter be subscribed? Reports it if not.
   bool isTopic(const std::string& topic, const std::string& parameter);
 
@@ -127,6 +130,10 @@ class StreamNodelet : public nodelet::Nodelet {
   /// s since the latest output, or since there is an audience.
   double withoutOutput() const { return (ProcessClock::now() - last_output_).toSec(); }
   const StreamExpectation& expectation() const noexcept { return expectation_; }  ///< of inputs
+  /// s by the clock, which in a replay may still be a little before the stamp.
+  static double since(const ros::Time& stamp) {
+    return std::max(0.0, ros::Time::now().toSec() - stamp.toSec());
+  }
   /// s without a message, after which something is wrong.
   double silentAfter() const noexcept { return expectation_.silent_after; }
 
@@ -161,6 +168,7 @@ class StreamNodelet : public nodelet::Nodelet {
   void take(Input& input, const std_msgs::Header& header, const std::function<void()>& body);
   void accept(Input& input, const std_msgs::Header& header);
   void restart(const ros::Time& now);
+  bool warnedOfSilence(const InputMonitor& images);
   /// Runs `body`; whatever it throws becomes a reported problem. @return false: it has thrown
   bool attempt(const std::function<void()>& body);
   void reportConfiguration(diagnostic_updater::DiagnosticStatusWrapper& status) const;
@@ -170,8 +178,9 @@ class StreamNodelet : public nodelet::Nodelet {
   ClockWatch clock_;
   std::vector<std::string> problems_;
   std::unique_ptr<diagnostic_updater::Updater> diagnostics_;
-  ProcessTimer timer_, diagnostics_timer_;
+  ProcessTimer timer_, diagnostics_timer_, images_timer_;
   bool started_ = false, complete_ = false, connected_ = false;
+  bool others_seen_ = false;  // images on other topics, while those of watchImages() are silent
   ros::WallTime last_output_;
   std::unique_ptr<BackgroundThread> background_;  // none: works in the thread of its queue
 };

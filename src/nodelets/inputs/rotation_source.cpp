@@ -41,6 +41,7 @@ class MessageSource : public RotationSource {
     subscriber_ = handle_.subscribe<Message>(
         topic_, kQueueSize, [this](const boost::shared_ptr<const Message>& message) {
           try {
+            if (clock_.wentBack(ros::Time::now())) reset();
             callbacks_.arrival();
             use(*message);
           } catch (const std::exception& error) {
@@ -76,6 +77,7 @@ class MessageSource : public RotationSource {
   ros::NodeHandle handle_;
   std::string topic_;
   StampGuard stamps_;
+  ClockWatch clock_;
   ros::Subscriber subscriber_;
 };
 
