@@ -76,6 +76,13 @@ class LaunchFilesTest(unittest.TestCase):
         # What is not given is left to a remapping around the include.
         self.assertEqual(set(found["odometry"]), set())
 
+    def test_a_manager_that_stands_still_keeps_its_nodelets(self):
+        # After 4 s without a sign of it, `nodelet load` would take its nodelet away, for good.
+        for name in FILES:
+            loads = [node.args for node in load(name).nodes if node.args.startswith("load ")]
+            self.assertTrue(loads, name)
+            self.assertTrue(all(words.endswith(" --no-bond") for words in loads), (name, loads))
+
     def test_what_needs_little_of_an_image_decodes_it_itself(self):
         names = ["/optical_flow/image_transport", "/depth/image_transport"]
         for values, expected in (({}, "compressed"), ({"compressed": "false"}, None),
