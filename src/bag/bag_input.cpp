@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "bag_records.h"
+
 namespace radar_dot::bag {
 namespace {
 
@@ -23,6 +25,7 @@ std::unique_ptr<rosbag::Bag> opened(const fs::path& file) {
   }
   auto bag = std::make_unique<rosbag::Bag>();
   try {
+    checkBagRecords(file);
     bag->open(file.string(), rosbag::bagmode::Read);
   } catch (const rosbag::BagUnindexedException&) {
     throw std::runtime_error(

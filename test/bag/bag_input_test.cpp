@@ -100,5 +100,30 @@ TEST_F(BagInputTest, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(failureOf({file}), HasSubstr("a.bag"));
 }
 
+// rosbag allocates what a length says and reads beyond its end.
+TEST_F(BagInputTest, RefusesLengthsThatAreNoneOfTheFile) {
+  const auto compressions = {rosbag::compression::Uncompressed, rosbag::compression::LZ4,
+                             rosbag::compression::BZ2};
+  for (const rosbag::CompressionType compression : compressions) {
+    const fs::path file =
+        write("a.bag", {{10.0, "/x", std::string(5000, '0')}, {11.0, "/x", "b"}}, compression);
+    const std::string bytes = test::readFile(file);
+    EXPECT_EQ(read(BagInput({file})), std::string(5000, '0') + "b");
+    for (const char* field : {"op=", "size=", "conn=", "chunk_pos=", "index_pos="}) {
+      const bool last = field == std::string("conn=");
+      const std::size_t place = last ? bytes.rfind(field) : bytes.find(field);
+      std::string broken = bytes;
+      broken.replace(place - 4, 4, "\xff\xff\xff\xff");  // length of the field
+      test::writeFile(file, broken);
+      EXPECT_THAT(failureOf({file}), HasSubstr("a.bag as a bag: broken at byte ")) << field;
+      if (field == std::string("op=") || last) continue;
+      broken = bytes;
+      broken.replace(bytes.find('=', place) + 1, 4, "\x07\xff\xff\xf0");  // the number itself
+      test::writeFile(file, broken);
+      EXPECT_THAT(failureOf({file}), HasSubstr("a.bag as a bag: broken at byte ")) << field;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace radar_dot::bag

@@ -148,7 +148,11 @@ void fuzzCameraInfo(const std::uint8_t* data, std::size_t size) {
   for (double& value : info.P) value = input.number<double>();
   info.D.resize(input.number<std::uint8_t>() % 16);
   for (double& value : info.D) value = input.number<double>();
-  isDistorted(info);
+  for (std::uint32_t* value : {&info.binning_x, &info.binning_y, &info.roi.x_offset, &info.roi.y_offset,
+                               &info.roi.width, &info.roi.height})
+    *value = input.number<std::uint32_t>();
+  info.roi.do_rectify = input.number<std::uint8_t>() % 2;
+  distortionDoubt(info);
   mayRefuse<std::invalid_argument>([&] {
     const CameraIntrinsics camera = cameraOf(info);
     expect(camera.fx > 0.0 && camera.fy > 0.0 && std::isfinite(camera.fx * camera.fy));

@@ -112,7 +112,7 @@ class LaunchFilesTest(unittest.TestCase):
             for camera in ("left", "right"):
                 for nodelet in CAMERA:
                     node = nodes["/%s/%s" % (camera, nodelet)]
-                    self.assertTrue(node.args.endswith(" %sradar_dot_manager" % around), node.args)
+                    self.assertTrue(node.args.endswith(" %sradar_dot_manager --no-bond" % around), node.args)
                     found = dict(node.remap_args)
                     for topic in ("ego/twist", "radar/static", "radar/dynamic", "rotation/odom"):
                         self.assertEqual(found[topic], around + topic, nodelet)
@@ -136,6 +136,13 @@ class LaunchFilesTest(unittest.TestCase):
         for camera, ignored in (("left", "a"), ("right", "b")):
             section = "/%s/dynamic_segmentation/" % camera
             self.assertEqual([params[section + name].value for name in ("memory", "ignore_mask")], [1.0, ignored])
+
+    def test_a_manager_that_stands_still_keeps_its_nodelets(self):
+        # After 4 s without a sign of it, `nodelet load` would take its nodelet away, for good.
+        for name in FILES:
+            loads = [node.args for node in load(name).nodes if node.args.startswith("load ")]
+            self.assertTrue(loads, name)
+            self.assertTrue(all(words.endswith(" --no-bond") for words in loads), (name, loads))
 
     def test_what_needs_little_of_an_image_decodes_it_itself(self):
         names = ["/optical_flow/image_transport", "/depth/image_transport"]
