@@ -16,7 +16,7 @@ struct RotatedReturn {
 
 /// With the reported velocity vector V, the turned bearing is u' = u + r (z x u) and the range rate u'.V.
 inline RotatedReturn rotatedReturn(const DopplerReturn& measured, const Eigen::Matrix3f& R_base_from_sensor,
-                                 double bearing_rotation) {
+                                   double bearing_rotation) {
   if (bearing_rotation == 0.0) return {R_base_from_sensor * measured.bearing, measured.doppler};
   // The rotation is about the vertical of the base frame; the sensor may hang upside down.
   const float angle = static_cast<float>(bearing_rotation) * R_base_from_sensor(2, 2);

@@ -17,7 +17,8 @@ struct RadarNoise {
   double azimuth_std = 0.0175;  // its effect on a velocity grows with the transverse speed
 
   void describe(FieldList& fields) {
-    fields.add("doppler_std", doppler_std, "1 sigma of the Doppler velocity of a return", "m/s", {0.001, 100.0});
+    fields.add("doppler_std", doppler_std, "1 sigma of the Doppler velocity of a return", "m/s",
+               {0.001, 100.0});
     describeAzimuthStd(azimuth_std, fields);
   }
 };

@@ -42,9 +42,10 @@ struct OverGroundParams {
     fields.group("Returns");
     fields.add("range_std", range_std, "1 sigma of the range of a return", "m", {0.0, 10.0});
     noise.describe(fields);
-    fields.add("isolated_speed", segmentation.isolated_threshold,
-               "Speed over ground that makes a lone return dynamic; those on radar/dynamic are dynamic anyway",
-               "m/s", {0.001, 100.0});
+    fields.add(
+        "isolated_speed", segmentation.isolated_threshold,
+        "Speed over ground that makes a lone return dynamic; those on radar/dynamic are dynamic anyway",
+        "m/s", {0.001, 100.0});
     fields.add("supported_speed", segmentation.supported_threshold,
                "Speed over ground that makes a return dynamic when a neighbour moves with it", "m/s",
                {0.001, 100.0});
