@@ -18,7 +18,7 @@ BIN = pathlib.Path(sys.argv.pop(1))
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "examples").glob("*.md")])
 LAUNCH_FILES = ["radar.launch", "radar_dot.launch", "replay.launch"]
 # Options and launch arguments of programs that are not ours, in commands shown beside ours.
-FOREIGN = {"--benchmark_repetitions", "--benchmark_report_aggregates_only", "--build", "--clock", "--datafile",
+FOREIGN = {"--no-bond", "--benchmark_repetitions", "--benchmark_report_aggregates_only", "--build", "--clock", "--datafile",
            "--gtest_filter", "--install", "frame_id", "odom_topic", "visual_odometry"}
 FENCE = re.compile(r"^( *)```(\w*)\n(.*?)^ *```", flags=re.M | re.S)
 
