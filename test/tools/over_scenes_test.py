@@ -142,7 +142,7 @@ class Locally(OverScenes):
              *(VERSION + RADARS))
         merge = [os.path.join(TOOLS, "evaluate_ego_velocity"), "--merge", self.path("results.json")]
         for file, part in [(other, "parameters differ"), (self.path("results.json"), "also stands in")]:
-            result = subprocess.run(merge + [file], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            result = subprocess.run(merge[:2] + [merge[2] + "," + file], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                     universal_newlines=True)
             self.assertEqual(result.returncode, 1)
             self.assertIn(part, result.stderr)
