@@ -97,7 +97,6 @@ OpticalFlowParams flowParams(bool forward_backward) {
 MaskPipelineParams maskParams(bool refine) {
   MaskPipelineParams params;
   params.motion.score = MotionScore::kUncertainty;
-  params.motion.uncertainty.hysteresis_ratio = 2.5;
   params.refine = params.refine_ground = refine;
   params.look_back = true;
   params.memory = 0.4;

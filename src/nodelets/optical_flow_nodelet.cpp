@@ -83,6 +83,7 @@ void OpticalFlowNodelet::onImage(LazyImage picture) {
   const auto current = std::make_shared<LazyImage>(std::move(picture));
   // The sensor's noise makes any two pictures differ. A simulated camera has none.
   if (latest_ && current->repeats(*latest_) && !stands(current->header().stamp)) {
+    if (flow_) pixelsOf(*current);  // what cannot be decoded is refused, however often it comes
     ++repeated_;
     ++repeated_since_report_;
     warn("repeated", "images on '" + image_->topic() + "' repeat the previous one under a new stamp");
