@@ -11,6 +11,6 @@ namespace radar_dot::bag {
 /// their size and what the index says of them is checked. Files of other versions, and recordings that were
 /// not ended, are left to rosbag.
 /// @throw std::runtime_error where not, with the byte.
-void checkBagRecords(const std::filesystem::path& file);
+void checkBagRecords(const std::filesystem::path& path);
 
 }  // namespace radar_dot::bag

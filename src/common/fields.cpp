@@ -156,7 +156,7 @@ std::string Field::valid() const {
     for (const auto& [choice, meaning] : choices) names += (names.empty() ? "" : ", ") + std::string(choice);
     return "one of " + names;
   }
-  const std::string count = length > 0 ? fmt::format("{} numbers", length) : "";
+  std::string count = length > 0 ? fmt::format("{} numbers", length) : "";
   const bool no_lowest = std::isinf(range.lowest) || range.lowest == -kMost;
   const bool no_highest = std::isinf(range.highest) || range.highest == kMost;
   if (no_lowest && no_highest) return count;

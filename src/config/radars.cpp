@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 fs::path presetFolder() {
   Dl_info library;
   if (dladdr(reinterpret_cast<const void*>(&validateRadars), &library) != 0) {
-    const fs::path installed = fs::path(library.dli_fname).parent_path() / INSTALLED_PRESETS;
+    fs::path installed = fs::path(library.dli_fname).parent_path() / INSTALLED_PRESETS;
     if (fs::exists(installed)) return installed;
   }
   return SOURCE_PRESETS;

@@ -332,7 +332,7 @@ void writeRadarPcd(const std::filesystem::path& file, const std::vector<RadarRec
   pcl::for_each_type<pcl::traits::fieldList<RadarRecord>::type>(pcl::detail::FieldAdder<RadarRecord>(fields));
   OutputFile output(file);  // names what is wrong, which PCDWriter::writeBinary() does not
   output.write(
-      pcl::PCDWriter().generateHeader(pcl::PointCloud<RadarRecord>(), static_cast<int>(records.size())));
+      pcl::PCDWriter::generateHeader(pcl::PointCloud<RadarRecord>(), static_cast<int>(records.size())));
   output.write("DATA binary\n");
   for (const RadarRecord& record : records)
     for (const pcl::PCLPointField& field : fields)

@@ -108,7 +108,7 @@ void StagedFolder::commit() {
 /// Where a file system cannot exchange two folders at once. @return where the old one is
 fs::path StagedFolder::moveIn() const {
   std::error_code error;
-  const fs::path old = hiddenSibling(output_, kReplaced);
+  fs::path old = hiddenSibling(output_, kReplaced);
   fs::rename(output_, old, error);
   if (error) fail(output_, "move this folder out of the way", error);
   fs::rename(partial_, output_, error);

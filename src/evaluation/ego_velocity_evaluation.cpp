@@ -178,7 +178,7 @@ void evaluateTrajectory(const RadarScene& scene, const std::vector<EstimatedVelo
       std::optional<Eigen::Quaterniond> heading;
       if (with_heading) heading = Eigen::Quaterniond(truth.linear());
       integrator.add(velocity, heading);
-      path.push_back({velocity.time, integrator.state().T_odom_from_base});
+      path.emplace_back(velocity.time, integrator.state().T_odom_from_base);
     }
     (with_heading ? report.gt_heading : report.own_heading) += compareTrajectory(path, scene.truth);
   }

@@ -44,7 +44,7 @@ std::string differenceOf(const Value& one, const Value& other) {
   for (const auto& member : other.GetObject())
     if (!one.HasMember(member.name)) return member.name.GetString();
   for (const auto& member : one.GetObject()) {
-    const std::string name = member.name.GetString();
+    std::string name = member.name.GetString();
     const auto found = other.FindMember(member.name);
     if (found == other.MemberEnd()) return name;
     if (member.value == found->value) continue;

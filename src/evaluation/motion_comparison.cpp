@@ -129,14 +129,15 @@ std::optional<StampedTwist> interpolated(const std::vector<StampedTwist>& twists
   return twist;
 }
 
-/// What a vehicle knows at a time: the latest twist, and how it has changed over the interval before.
+/// What a vehicle knows at a time: the latest twist, and how it has changed just before.
 std::optional<StampedTwist> latestBroughtTo(const std::vector<StampedTwist>& twists, double time,
-                                            const ComparisonOptions& options) {
+                                            double max_gap) {
+  constexpr double kChange = 0.2;  // s
   const auto after = std::upper_bound(twists.begin(), twists.end(), time,
                                       [](double t, const StampedTwist& twist) { return t < twist.time; });
-  if (after == twists.begin() || time - std::prev(after)->time > options.max_gap) return std::nullopt;
+  if (after == twists.begin() || time - std::prev(after)->time > max_gap) return std::nullopt;
   StampedTwist latest = *std::prev(after);
-  if (const auto earlier = interpolated(twists, latest.time - options.interval, options.max_gap)) {
+  if (const auto earlier = interpolated(twists, latest.time - kChange, max_gap)) {
     const double ratio = (time - latest.time) / (latest.time - earlier->time);
     latest.linear += ratio * (latest.linear - earlier->linear);
     latest.angular += ratio * (latest.angular - earlier->angular);
@@ -262,8 +263,12 @@ ReferenceMotion::ReferenceMotion(const RecordedMotion& motion, const ComparisonO
 }
 
 std::optional<StampedTwist> ReferenceMotion::at(double time) const {
+  return over(time - half_interval_, time + half_interval_);
+}
+
+std::optional<StampedTwist> ReferenceMotion::over(double begin, double end) const {
+  const double time = 0.5 * (begin + end);
   if (is_from_poses_) {
-    const double begin = time - half_interval_, end = time + half_interval_;
     const auto first = std::upper_bound(pose_times_.begin(), pose_times_.end(), begin);
     const auto last = std::lower_bound(pose_times_.begin(), pose_times_.end(), end);
     if (first == pose_times_.begin() || last == pose_times_.end()) return std::nullopt;
@@ -278,64 +283,78 @@ std::optional<StampedTwist> ReferenceMotion::at(double time) const {
   return interpolated(twists_, time, max_gap_);
 }
 
+namespace {
+
+/// How well an estimate fits a reference, by the offset that is added to its stamps.
+struct OffsetFit {
+  using Signal = std::pair<Eigen::Index, double>;  // axis, noise
+
+  double cost(double offset) const {
+    double cost = 0.0;
+    for (const auto& [axis, noise] : signals)
+      cost += 0.5 * count() *
+              std::log(residualOf(twists, reference, offset, axis).squared / count() + noise * noise);
+    return cost;
+  }
+  double best(double from, double to, double step) const {
+    double best = from, least = std::numeric_limits<double>::infinity();
+    for (double offset = from; offset <= to + 1e-9; offset += step) {
+      const double there = cost(offset);
+      if (there < least) least = there, best = offset;
+    }
+    return best;
+  }
+  bool tellsNothing(const Signal& signal, double offset) const {
+    constexpr double kMinShare = 0.5;  // of the variance of a signal, explained
+    double mean = 0.0, squared = 0.0;
+    for (const StampedTwist& twist : twists) mean += component(twist, signal.first) / count();
+    for (const StampedTwist& twist : twists) squared += std::pow(component(twist, signal.first) - mean, 2);
+    return residualOf(twists, reference, offset, signal.first).squared > (1.0 - kMinShare) * squared ||
+           squared < count() * signal.second * signal.second;
+  }
+  double count() const { return static_cast<double>(twists.size()); }
+
+  const ReferenceMotion& reference;
+  std::vector<StampedTwist> twists;  // within the reference whatever the offset: all are judged by the same
+  std::vector<Signal> signals = {{0, 1e-3}, {5, 1e-4}};
+};
+
+}  // namespace
+
 TimeOffset findTimeOffset(const std::vector<StampedTwist>& estimate, const ReferenceMotion& reference,
                           double max_offset) {
   constexpr double kCoarse = 0.02, kFine = 0.002;  // s
   constexpr double kMaxSigma = 0.02;               // s
-  constexpr double kMinShare = 0.5;                // of the variance of a signal, explained
-  constexpr std::array<std::pair<Eigen::Index, double>, 2> kSignals = {
-      {{0, 1e-3}, {5, 1e-4}}};       // axis, noise
-  std::vector<StampedTwist> inside;  // whatever the offset, so that all offsets are judged by the same
+  OffsetFit fit{reference, {}};
   for (const StampedTwist& twist : estimate)
     if (twist.observes(0) && reference.at(twist.time - max_offset) && reference.at(twist.time + max_offset))
-      inside.push_back(twist);
+      fit.twists.push_back(twist);
   TimeOffset result;
   const auto refuse = [&](const char* why) {
     result.why_not = why;
     return result;
   };
-  if (inside.size() < 20) return refuse("too little of the estimate lies within the reference");
-  const auto count = static_cast<double>(inside.size());
+  if (fit.twists.size() < 20) return refuse("too little of the estimate lies within the reference");
 
-  std::vector<std::pair<Eigen::Index, double>> signals(kSignals.begin(), kSignals.end());
-  const auto costAt = [&](double offset) {
-    double cost = 0.0;
-    for (const auto& [axis, noise] : signals)
-      cost +=
-          0.5 * count * std::log(residualOf(inside, reference, offset, axis).squared / count + noise * noise);
-    return cost;
-  };
-  const auto bestOf = [&](double from, double to, double step) {
-    double best = from, least = std::numeric_limits<double>::infinity();
-    for (double offset = from; offset <= to + 1e-9; offset += step) {
-      const double cost = costAt(offset);
-      if (cost < least) least = cost, best = offset;
-    }
-    return best;
-  };
   double best = 0.0;
-  for (std::size_t kept = 0; kept != signals.size();) {  // again without a signal that tells nothing
-    kept = signals.size();
-    best = bestOf(-max_offset, max_offset, kCoarse);
-    const auto tellsNothing = [&](const std::pair<Eigen::Index, double>& signal) {
-      double mean = 0.0, squared = 0.0;
-      for (const StampedTwist& twist : inside) mean += component(twist, signal.first) / count;
-      for (const StampedTwist& twist : inside) squared += std::pow(component(twist, signal.first) - mean, 2);
-      return residualOf(inside, reference, best, signal.first).squared > (1.0 - kMinShare) * squared ||
-             squared < count * signal.second * signal.second;
-    };
-    signals.erase(std::remove_if(signals.begin(), signals.end(), tellsNothing), signals.end());
-    if (signals.empty()) return refuse("speed and yaw rate change too little, or do not agree");
+  for (std::size_t kept = 0; kept != fit.signals.size();) {  // again without a signal that tells nothing
+    kept = fit.signals.size();
+    best = fit.best(-max_offset, max_offset, kCoarse);
+    const auto tellsNothing = [&](const OffsetFit::Signal& signal) { return fit.tellsNothing(signal, best); };
+    fit.signals.erase(std::remove_if(fit.signals.begin(), fit.signals.end(), tellsNothing),
+                      fit.signals.end());
+    if (fit.signals.empty()) return refuse("speed and yaw rate change too little, or do not agree");
   }
   if (std::abs(best) > max_offset - 1.5 * kCoarse) return refuse("it is larger than max_time_offset");
-  best = bestOf(best - kCoarse, best + kCoarse, kFine);
-  const double before = costAt(best - kFine), at = costAt(best), after = costAt(best + kFine);
+  best = fit.best(best - kCoarse, best + kCoarse, kFine);
+  const double before = fit.cost(best - kFine), at = fit.cost(best), after = fit.cost(best + kFine);
   const double bend = before - 2.0 * at + after;
   result.offset = best + (bend > 0.0 ? 0.5 * kFine * (before - after) / bend : 0.0);
   double correlation = 0.0;
-  for (const auto& signal : signals)
-    correlation = std::max(correlation, residualOf(inside, reference, best, signal.first).correlation);
-  const double curvature = (costAt(best - kCoarse) - 2.0 * at + costAt(best + kCoarse)) / (kCoarse * kCoarse);
+  for (const auto& signal : fit.signals)
+    correlation = std::max(correlation, residualOf(fit.twists, reference, best, signal.first).correlation);
+  const double curvature =
+      (fit.cost(best - kCoarse) - 2.0 * at + fit.cost(best + kCoarse)) / (kCoarse * kCoarse);
   result.sigma = 1.0 / std::sqrt(curvature * (1.0 - correlation) / (1.0 + correlation));
   if (!(result.sigma < kMaxSigma)) {
     result.why_not = "speed and yaw rate change too little";
@@ -389,7 +408,7 @@ double JointErrors::upper() const {
   return chiSquare(degrees, 1.96) / degrees;
 }
 
-void JointErrors::describe(Figures& figures) {
+void JointErrors::describe(Figures& figures) const {
   figures.figure("nees", mean());
   figures.figure("lower_limit", lower());
   figures.figure("upper_limit", upper());
@@ -398,7 +417,7 @@ void JointErrors::describe(Figures& figures) {
   figures.count("count", nees.size());
 }
 
-void PathErrors::describe(Figures& figures) {
+void PathErrors::describe(Figures& figures) const {
   figures.figure("ate_rmse", start.rootMeanSquare());
   figures.figure("ate_rmse_aligned", std::sqrt(ratio(aligned_squared, start.count)));
   figures.figure("drift_percent", start.driftPercent());
@@ -407,7 +426,7 @@ void PathErrors::describe(Figures& figures) {
 
 MotionReport compareMotion(const RecordedMotion& estimate, const RecordedMotion& odometry,
                            const RecordedMotion& reference, const ComparisonOptions& options,
-                           const std::vector<double>& instants) {
+                           const std::vector<double>& keyframes) {
   const ReferenceMotion truth(reference, options);
   const auto shifted = [](auto samples, double offset) {
     for (auto& sample : samples) sample.time += offset;
@@ -424,14 +443,17 @@ MotionReport compareMotion(const RecordedMotion& estimate, const RecordedMotion&
     report.applied_offset = report.time_offset.offset;
     twists = shifted(estimate.twists, report.applied_offset);
   }
-  std::vector<StampedTwist> compared = instants.empty() ? twists : std::vector<StampedTwist>();
-  for (const double instant : instants)
-    if (const auto twist = latestBroughtTo(twists, instant, options)) compared.push_back(*twist);
-  for (const StampedTwist& twist : compared) {
-    const std::optional<StampedTwist> actual = truth.at(twist.time);
+  const auto compare = [&report](const StampedTwist& twist, const std::optional<StampedTwist>& actual) {
     ++(actual ? report.compared : report.outside);
     if (actual) addErrors(twist, *actual, report);
+  };
+  for (std::size_t i = 1; i < keyframes.size(); ++i) {
+    const double begin = keyframes[i - 1], end = keyframes[i];
+    if (const auto twist = latestBroughtTo(twists, 0.5 * (begin + end), options.max_gap))
+      compare(*twist, truth.over(begin, end));
   }
+  if (keyframes.empty())
+    for (const StampedTwist& twist : twists) compare(twist, truth.at(twist.time));
   if (report.compared == 0)
     throw std::runtime_error("the estimate and the reference have no time in common (time_offset, max_gap)");
   if (const PoseTrack* track = truth.track()) {

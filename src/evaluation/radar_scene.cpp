@@ -111,7 +111,7 @@ PoseTrack loadTruth(const Tables& tables, Index scene) {
   std::vector<StampedPose> poses;
   for (const Index row : tables.egoPosesOf(scene)) {
     const dataset::EgoPose& pose = tables.ego_poses[at(row)];
-    poses.push_back({secondsOf(pose.timestamp_us), pose.T_map_from_base()});
+    poses.emplace_back(secondsOf(pose.timestamp_us), pose.T_map_from_base());
   }
   try {
     return PoseTrack(std::move(poses));

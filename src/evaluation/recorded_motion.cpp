@@ -243,12 +243,6 @@ void takePoses(const Transforms& transforms, const std::pair<std::string, std::s
                                  reference.topic, transforms.text()));
 }
 
-std::vector<double> middlesOf(const std::vector<double>& times) {
-  std::vector<double> middles;
-  for (std::size_t i = 1; i < times.size(); ++i) middles.push_back(0.5 * (times[i - 1] + times[i]));
-  return middles;
-}
-
 /// Topics that are there by default are no must.
 bool isWanted(const bag::BagInput& input, const std::string& topic, const std::string& by_default) {
   return !topic.empty() && (topic != by_default || input.topics().count(topic) > 0);
@@ -444,7 +438,7 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
     mask_truth = checkedTopic(input, options, options.mask_truth, {kCompressed});
   }
   std::string keyframes;
-  std::vector<double> keyframe_times;
+  std::set<double> keyframe_times;  // once each, although recording and output may both have them
   if (!options.keyframes.empty()) {
     keyframes = "/" + withoutSlash(options.keyframes);
     if (input.topics().count(keyframes) == 0)
@@ -466,7 +460,7 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
         if (topic == "/tf" || topic == "/tf_static") transforms.add(message);
         for (Stream* stream : {&twist, &odometry, &reference})
           if (topic == stream->topic) stream->add(message);
-        if (topic == keyframes) keyframe_times.push_back(message.getTime().toSec());
+        if (topic == keyframes) keyframe_times.insert(message.getTime().toSec());
         if (topic == masks) mask_comparison.addMask(*message.instantiate<sensor_msgs::Image>());
         if (topic == mask_truth)
           mask_comparison.addTruth(*message.instantiate<sensor_msgs::CompressedImage>());
@@ -477,7 +471,7 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
   if (tf_frames) takePoses(transforms, *tf_frames, reference);
   prepare(twist, odometry, reference, options, transforms, warn);
   MotionReport report = compareMotion(twist.motion, odometry.motion, reference.motion, options.comparison,
-                                      middlesOf(keyframe_times));
+                                      {keyframe_times.begin(), keyframe_times.end()});
   if (mask_comparison.masks() > 0) {
     report.masks = mask_comparison.report();
     report.masks_without_truth = mask_comparison.masks() - report.masks->frames;

@@ -49,10 +49,10 @@ std::vector<Column> causalColumns() {
 /// How consistent the covariances are.
 std::vector<Column> consistencyColumns() {
   std::vector<Column> columns;
-  for (const std::string name : {"single", "filter"}) {
-    for (const std::string axis : {"vx", "vy", "yaw_rate"})
-      columns.push_back(
-          column(name + "_" + axis + "_nse", "causal/" + name + "/" + axis + "_normalised_squared", 2));
+  for (const char* name : {"single", "filter"}) {
+    for (const char* axis : {"vx", "vy", "yaw_rate"})
+      columns.push_back(column(fmt::format("{}_{}_nse", name, axis),
+                               fmt::format("causal/{}/{}_normalised_squared", name, axis), 2));
   }
   return columns;
 }

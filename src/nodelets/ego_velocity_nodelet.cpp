@@ -117,7 +117,7 @@ void EgoVelocityNodelet::setUpRadars() {
   const std::string parameter = fieldsOf(config_).dictionaries().front().name;
   for (const auto& [name, given] : config_.radars) {
     const RadarEntry entry = withPreset(given);
-    if (!isTopic(entry.topic, parameter + "/" + name + "/" + nameOf(entry, entry.topic))) continue;
+    if (!isTopic(entry.topic, fmt::format("{}/{}/{}", parameter, name, nameOf(entry, entry.topic)))) continue;
     if (const std::string other = sameSourceAs(entry); !other.empty()) {
       reportProblem(
           fmt::format("{}/{} has the topic of {}, '{}': its returns would count twice; it is left out",
@@ -240,7 +240,7 @@ void EgoVelocityNodelet::writeMountYawsFile() const {
 }
 
 std::string EgoVelocityNodelet::disabledBy() const {
-  const std::string disabled = "estimation disabled until the parameters are corrected";
+  std::string disabled = "estimation disabled until the parameters are corrected";
   if (!server_ || !server_->usable()) return disabled;
   static const char* const scale =
       nameOf(config_, config_.extraction.doppler_scale);  // asked for every cloud

@@ -152,7 +152,7 @@ std::optional<Eigen::Isometry3d> MovingObjectsNodelet::poseAt(const ros::Time& t
     return std::nullopt;
   }
   const IntervalMotion motion =
-      motion_->between(ros::Time(*latest), time, config_.max_pose_age, /*within_timeout=*/false);
+      motion_->between(ros::Time(*latest), time, config_.max_pose_age, /*may_wait=*/false);
   if (!motion.T_begin_from_end) {
     missing = "no motion from '" + twist_input_->topic() + "': " + motion.missing;
     return std::nullopt;

@@ -65,7 +65,7 @@ void OpticalFlowNodelet::apply(const OpticalFlowConfig& config) {
   // A network takes seconds to load, and may fail to: then nothing has changed.
   if (!flow_ || !sameFields(config_.flow, config.flow)) flow_ = flowOf(config.flow);
   // The order of its images is that of the former direction.
-  if (config_.direction != config.direction) waiting_.reset();
+  if (config_.direction != config.direction) waiting_.clear();
   config_ = config;
 }
 
@@ -73,7 +73,7 @@ void OpticalFlowNodelet::clearHistory() {
   latest_.reset();
   previous_.reset();
   pace_ = {};
-  waiting_.reset();
+  waiting_.clear();
   depths_.clear();
   motion_->forget();
   if (flow_) flow_->reset();
@@ -108,14 +108,17 @@ void OpticalFlowNodelet::onImage(LazyImage picture) {
                     " s apart are no pair (" + nameOf(config_, config_.max_pair_gap) + ")");
     return;
   }
-  // Who comes in place of a pair that waited has waited as long: else none might ever be computed.
-  const Moment since = waiting_ ? waiting_->arrival : Moment::now();
-  if (waiting_) {
+  const bool forward = config_.direction == FlowDirection::kForward;
+  waiting_.push_back({forward ? before : current, forward ? current : before, Moment::now()});
+  // Who keeps up on the average makes up for a moment without a free core; else the latest pair is the one.
+  const std::size_t most = pace_.load() < 1.0 ? 2 : 1;
+  while (waiting_.size() > most) {
+    // Who comes in place of a pair that waited has waited as long: else none might ever be computed.
+    waiting_[1].arrival = waiting_[0].arrival;
+    waiting_.pop_front();
     ++replaced_;
     pace_.addLost();
   }
-  const bool forward = config_.direction == FlowDirection::kForward;
-  waiting_ = Pair{forward ? before : current, forward ? current : before, since};
   scheduleQueue(kNext);
 }
 
@@ -128,9 +131,8 @@ bool OpticalFlowNodelet::stands(const ros::Time& stamp) const {
 }
 
 void OpticalFlowNodelet::scheduleQueue(double delay) {
-  if (!waiting_) return;
-  // Its callback lines up behind what is in the queue: images that wait there already make a later pair, and
-  // that is the one to work on.
+  if (waiting_.empty()) return;
+  // Its callback lines up behind what is in the queue: images that wait there already may replace the pair.
   compute_timer_.restart(delay);
 }
 
@@ -165,8 +167,8 @@ cv::Mat OpticalFlowNodelet::expectedFlowOf(const Pair& pair, bool within_timeout
 }
 
 void OpticalFlowNodelet::processQueue() {
-  if (!waiting_) return;
-  const Pair pair = *waiting_;
+  if (waiting_.empty()) return;
+  const Pair pair = waiting_.front();
   cv::Mat expected;
   if (config_.flow.initialisation == FlowStart::kExpected) {
     const bool within_timeout = pair.arrival.waits(config_.expected_timeout, Moment::now());
@@ -187,7 +189,8 @@ void OpticalFlowNodelet::processQueue() {
       warn("expected", "no initial flow: " + missing);
     }
   }
-  waiting_.reset();
+  waiting_.pop_front();
+  scheduleQueue(kNext);
   compute(pair, expected);
 }
 

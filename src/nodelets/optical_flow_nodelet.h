@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "nodelets/common/stream_nodelet.h"
@@ -37,10 +37,10 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   void onImage(LazyImage picture);
   /// Is it known that the vehicle stands?
   bool stands(const ros::Time& stamp) const;
-  /// Has the waiting pair looked at, `delay` s from now.
+  /// Has the first waiting pair looked at, `delay` s from now.
   void scheduleQueue(double delay);
   double leastInterval() const { return pace_.leastInterval(config_.pair_interval, config_.max_pair_gap); }
-  /// Computes the waiting pair, when what it starts from is there or has been waited for long enough.
+  /// Computes the first waiting pair, when what it starts from is there or has been waited for long enough.
   void processQueue();
   /// Flow of a static world; empty, with the reason in `missing`, when something is not there (yet).
   cv::Mat expectedFlowOf(const Pair& pair, bool within_timeout, std::string& missing);
@@ -50,7 +50,7 @@ class OpticalFlowNodelet : public ConfiguredNodelet<OpticalFlowConfig> {
   std::unique_ptr<OpticalFlow> flow_;  // none: no backend could be made
   SharedImage latest_, previous_;      // image, and the one of the latest pair
   PairPace pace_;
-  std::optional<Pair> waiting_;
+  std::deque<Pair> waiting_;
   std::size_t repeated_ = 0, repeated_since_report_ = 0;  // images
 
   // For initialisation "expected".

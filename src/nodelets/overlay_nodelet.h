@@ -55,7 +55,7 @@ class OverlayNodelet : public ConfiguredNodelet<OverlayConfig> {
   void dropThrough(const ros::Time& stamp);
   Parts partsAt(const ros::Time& stamp) const;
   std::string missingOf(const Parts& parts) const;
-  void draw(const sensor_msgs::ImageConstPtr& mask, const Parts& parts);
+  void draw(const sensor_msgs::ImageConstPtr& message, const Parts& parts);
   std::vector<RadarPixel> radarPixels(const std_msgs::Header& header);
 
   std::unique_ptr<EgoMotion> motion_;

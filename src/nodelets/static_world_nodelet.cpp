@@ -107,7 +107,7 @@ void StaticWorldNodelet::processQueue(Queue& queue, InputMonitor& input) {
 }
 
 sensor_msgs::ImageConstPtr StaticWorldNodelet::maskOf(const std_msgs::Header& header, const cv::Size& size) {
-  const sensor_msgs::ImageConstPtr mask = maskAt(header.stamp, size);
+  sensor_msgs::ImageConstPtr mask = maskAt(header.stamp, size);
   if (mask && withoutSlash(mask->header.frame_id) != withoutSlash(header.frame_id)) {
     ++of_another_frame_since_report_;
     frames_ = "masks are in frame '" + mask->header.frame_id + "', what is masked in '" + header.frame_id +

@@ -88,12 +88,12 @@ struct Field {
   /// "a whole number", "a list of texts"
   const char* typeText() const;
   /// @throws InvalidParameter naming field, value and what is valid, also for another type
-  void check(const FieldValue& value) const;
+  void check(const FieldValue& given) const;
   /// Checked. An integer is accepted for a real number, and 5.0 for an integer.
   void set(const FieldValue& value) const;
   /// From text as in toText, also 5.0 for an integer, and yes, on, 1 for true; lists with or without
   /// brackets. @throws InvalidParameter
-  void setFromText(const std::string& text) const;
+  void setFromText(const std::string& given) const;
   /// A list, from the texts of its items. @throws InvalidParameter
   void setFromItems(const std::vector<std::string>& items) const;
 };

@@ -9,8 +9,8 @@ namespace radar_dot {
 /// A stamp in s, to the bit as ros::Time::toSec() gives it: what runs live and what runs offline must not
 /// differ in the last digit of their times.
 inline double secondsOf(std::int64_t microseconds) {
-  return static_cast<double>(microseconds / 1000000) +
-         1e-9 * static_cast<double>(microseconds % 1000000 * 1000);
+  const std::int64_t seconds = microseconds / 1000000;
+  return static_cast<double>(seconds) + 1e-9 * static_cast<double>(microseconds % 1000000 * 1000);
 }
 
 }  // namespace radar_dot

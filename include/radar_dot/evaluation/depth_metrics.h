@@ -25,7 +25,7 @@ class NormalisedErrors {
  private:
   static constexpr int kPerDecade = 200;
   static constexpr int kLowest = -3, kHighest = 4;  // decades
-  std::array<std::uint64_t, kPerDecade*(kHighest - kLowest)> counts_{};
+  std::array<std::uint64_t, std::size_t{kPerDecade} * (kHighest - kLowest)> counts_{};
 };
 
 /// Errors of a depth against the true one, as JustDepth reports them: of the pixels whose true depth is

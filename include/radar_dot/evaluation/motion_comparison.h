@@ -65,6 +65,8 @@ class ReferenceMotion {
   /// Velocity of the base frame; a component that is not known has kUnobservedVariance. Between twists it is
   /// linear; from poses, it is the mean of an interval around. None outside, and in gaps.
   std::optional<StampedTwist> at(double time) const;
+  /// From poses, the mean of that interval; else at its middle.
+  std::optional<StampedTwist> over(double begin, double end) const;
   /// Integrated from twists where there are no poses; null where there is neither.
   const PoseTrack* track() const { return track_ ? &*track_ : nullptr; }
   bool isFromPoses() const { return is_from_poses_; }
@@ -106,7 +108,7 @@ struct JointErrors {
   double effectiveCount() const;
   double lower() const;
   double upper() const;
-  void describe(Figures& figures);
+  void describe(Figures& figures) const;
 
   double degrees_of_freedom = 0.0;  ///< sum
 };
@@ -116,7 +118,7 @@ struct PathErrors {
   TrajectoryError start;  ///< both start at the same pose
   double aligned_squared =
       std::numeric_limits<double>::quiet_NaN();  ///< m^2, sum after the best rigid motion
-  void describe(Figures& figures);
+  void describe(Figures& figures) const;
 };
 
 /// All of a recording.
@@ -138,12 +140,13 @@ struct MotionReport {
 };
 
 /// Compares an estimate with a reference; `odometry` may have no poses.
-/// @param instants  velocities are compared at these times (s), each by the latest estimate before it,
-/// brought to it; empty: at every estimate. Paths and the time offset are those of all estimates in any case.
+/// @param keyframes  times (s) in order, between every two of which velocities are compared once, at the
+/// middle, by the latest estimate before it, brought to it; empty: at every estimate. Paths and the time
+/// offset are those of all estimates in any case.
 /// @throws std::runtime_error where no estimate has a reference at its time
 MotionReport compareMotion(const RecordedMotion& estimate, const RecordedMotion& odometry,
                            const RecordedMotion& reference, const ComparisonOptions& options,
-                           const std::vector<double>& instants = {});
+                           const std::vector<double>& keyframes = {});
 
 /// Tables for a terminal.
 std::string formatTable(const MotionReport& report);

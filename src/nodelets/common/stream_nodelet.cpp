@@ -95,11 +95,11 @@ StreamExpectation StreamNodelet::expectationOf(const RateParams& params, double 
 }
 
 StreamNodelet::Input& StreamNodelet::addInput(const std::string& title, std::unique_ptr<InputMonitor> monitor,
-                                              InputOptions options, Stamps stamps) {
+                                              const InputOptions& options, Stamps stamps) {
   inputs_.push_back(std::make_unique<Input>());
   Input& input = *inputs_.back();
   input.monitor = std::move(monitor);
-  input.options = std::move(options);
+  input.options = options;
   input.stamps = stamps;
   addDiagnostic(
       title, [&input](DiagnosticStatusWrapper& status) { input.monitor->report(ros::Time::now(), status); });
@@ -130,15 +130,15 @@ void StreamNodelet::switchInput(Input& input, bool on) {
   if (input.options.forget) input.options.forget();
 }
 
-InputMonitor& StreamNodelet::listenToTwists(EgoMotion& motion, InputOptions options) {
+InputMonitor& StreamNodelet::listenToTwists(EgoMotion& motion, const InputOptions& options) {
   return listen<geometry_msgs::TwistWithCovarianceStamped>(
       "ego/twist", kTwistQueue,
       [&motion](const geometry_msgs::TwistWithCovarianceStampedConstPtr& twist) { motion.add(*twist); },
-      std::move(options));
+      options);
 }
 
-InputMonitor& StreamNodelet::listenToCamera(sensor_msgs::CameraInfoConstPtr& camera, InputOptions options,
-                                            std::function<void()> first) {
+InputMonitor& StreamNodelet::listenToCamera(sensor_msgs::CameraInfoConstPtr& camera,
+                                            const InputOptions& options, std::function<void()> first) {
   auto monitor = std::make_unique<InputMonitor>("camera_info", expectation_, options.required);
   InputMonitor* const input = monitor.get();
   return *listenAs<sensor_msgs::CameraInfo>(
@@ -151,29 +151,28 @@ InputMonitor& StreamNodelet::listenToCamera(sensor_msgs::CameraInfoConstPtr& cam
         if (!doubt.empty()) warn("camera", "camera_info on '" + input->topic() + "': " + doubt);
         if (is_first && first) first();
       },
-      std::move(options), Stamps::kAny);
+      options, Stamps::kAny);
 }
 
 InputMonitor& StreamNodelet::listenToClouds(const std::string& topic, RecentClouds& clouds,
-                                            InputOptions options) {
+                                            const InputOptions& options) {
   const std::string name = getNodeHandle().resolveName(topic);
   return listen<sensor_msgs::PointCloud2>(
       topic, kCloudQueue,
-      [&clouds, name](const sensor_msgs::PointCloud2ConstPtr& cloud) { clouds.add(name, *cloud); },
-      std::move(options), Stamps::kUnordered);
+      [&clouds, name](const sensor_msgs::PointCloud2ConstPtr& cloud) { clouds.add(name, *cloud); }, options,
+      Stamps::kUnordered);
 }
 
 InputMonitor& StreamNodelet::listenToImages(std::uint32_t queue_size,
                                             const std::function<void(LazyImage)>& body,
-                                            InputOptions options) {
+                                            const InputOptions& options) {
   auto monitor = std::make_unique<InputMonitor>("image", expectation_, options.required);
   watchImages(*monitor);
   const auto transport = getPrivateNodeHandle().param<std::string>("image_transport", "raw");
   if (transport == "compressed") {
     return *listenAs<sensor_msgs::CompressedImage>(
         "input image", std::move(monitor), "image/compressed", queue_size,
-        [body](const sensor_msgs::CompressedImageConstPtr& image) { body(LazyImage(image)); },
-        std::move(options));
+        [body](const sensor_msgs::CompressedImageConstPtr& image) { body(LazyImage(image)); }, options);
   }
   if (transport != "raw")
     reportProblem("image_transport '" + transport + "' is not one of raw, compressed; using raw");
@@ -182,7 +181,7 @@ InputMonitor& StreamNodelet::listenToImages(std::uint32_t queue_size,
       [body, bits = std::make_shared<int>(8)](const sensor_msgs::ImageConstPtr& image) {
         body(LazyImage(withEightBits(image, *bits)));
       },
-      std::move(options));
+      options);
 }
 
 void StreamNodelet::watchImages(const InputMonitor& images) {

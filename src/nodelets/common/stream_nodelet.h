@@ -82,18 +82,18 @@ class StreamNodelet : public nodelet::Nodelet {
   /// order; whatever it throws becomes a refusal.
   template <typename Message>
   InputMonitor& listen(const std::string& topic, std::uint32_t queue_size, Body<Message> body,
-                       InputOptions options = {}, Stamps stamps = Stamps::kRising) {
+                       const InputOptions& options = {}, Stamps stamps = Stamps::kRising) {
     auto monitor = std::make_unique<InputMonitor>(topic, expectation_, options.required);
     return *listenAs<Message>("input " + topic, std::move(monitor), topic, queue_size, std::move(body),
-                              std::move(options), stamps);
+                              options, stamps);
   }
   /// The same with a monitor of your own. @param title  of the diagnostic
   template <typename Message, typename Monitor>
   Monitor* listenAs(const std::string& title, std::unique_ptr<Monitor> monitor, const std::string& topic,
-                    std::uint32_t queue_size, Body<Message> body, InputOptions options = {},
+                    std::uint32_t queue_size, Body<Message> body, const InputOptions& options = {},
                     Stamps stamps = Stamps::kRising) {
     Monitor* result = monitor.get();
-    Input& input = addInput(title, std::move(monitor), std::move(options), stamps);
+    Input& input = addInput(title, std::move(monitor), options, stamps);
     input.subscribe = [this, &input, topic, queue_size, body = std::move(body)] {
       return getNodeHandle().template subscribe<Message>(
           topic, queue_size, [this, &input, body](const boost::shared_ptr<const Message>& message) {
@@ -110,14 +110,15 @@ class StreamNodelet : public nodelet::Nodelet {
   /// `ego/twist` into `motion`, `camera_info` into `camera`, clouds of any number of sensors into `clouds`:
   /// what several nodelets listen to.
   /// @param first  called with the first camera_info
-  InputMonitor& listenToTwists(EgoMotion& motion, InputOptions options = {});
-  InputMonitor& listenToCamera(sensor_msgs::CameraInfoConstPtr& camera, InputOptions options = {},
+  InputMonitor& listenToTwists(EgoMotion& motion, const InputOptions& options = {});
+  InputMonitor& listenToCamera(sensor_msgs::CameraInfoConstPtr& camera, const InputOptions& options = {},
                                std::function<void()> first = {});
-  InputMonitor& listenToClouds(const std::string& topic, RecentClouds& clouds, InputOptions options = {});
+  InputMonitor& listenToClouds(const std::string& topic, RecentClouds& clouds,
+                               const InputOptions& options = {});
   /// `image` as raw messages, or as compressed ones of `image/compressed`, by the private parameter
   /// image_transport (raw, compressed).
   InputMonitor& listenToImages(std::uint32_t queue_size, const std::function<void(LazyImage)>& body,
-                               InputOptions options = {});
+                               const InputOptions& options = {});
   /// Says so, once per process and topic, where these images stay silent while there are others.
   void watchImages(const InputMonitor& images);
   /// Can a topic of the parameter be subscribed? Reports it if not.
@@ -162,8 +163,8 @@ class StreamNodelet : public nodelet::Nodelet {
   void onInit() final;
   void start();
   void look();
-  Input& addInput(const std::string& title, std::unique_ptr<InputMonitor> monitor, InputOptions options,
-                  Stamps stamps);
+  Input& addInput(const std::string& title, std::unique_ptr<InputMonitor> monitor,
+                  const InputOptions& options, Stamps stamps);
   void switchInput(Input& input, bool on);
   void take(Input& input, const std_msgs::Header& header, const std::function<void()>& body);
   void accept(Input& input, const std_msgs::Header& header);
