@@ -39,7 +39,7 @@ std::vector<ReturnOverGround> returnsOverGround(const RadarScan& scan, const Eig
     over.covariance = params.range_std * params.range_std * along * along.transpose() +
                       across_std * across_std * across * across.transpose();
     velocities.push_back(static_cast<float>(over.velocity));
-    positions.push_back(over.position.cast<float>());
+    positions.emplace_back(over.position.cast<float>());
     seen.push_back(over);
   }
   std::vector<std::size_t> candidates;

@@ -53,8 +53,8 @@ SpeedComparison::Verdict SpeedComparison::cause() const {
 
 std::string SpeedComparison::warning(const std::string& name, const std::string& reference_name,
                                      const std::string& rates) const {
-  const std::string text = fmt::format("{} drives at {:.1f} m/s, {} at {:.1f} (over {:.0f} s): ", name,
-                                       speed(), reference_name, reference(), kMemory);
+  std::string text = fmt::format("{} drives at {:.1f} m/s, {} at {:.1f} (over {:.0f} s): ", name, speed(),
+                                 reference_name, reference(), kMemory);
   switch (verdict_) {
     case Verdict::kAgree: return {};
     case Verdict::kStands:

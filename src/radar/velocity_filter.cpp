@@ -361,9 +361,9 @@ EgoVelocityResult filteredResult(const VelocityFilter::State& state, const EgoVe
   filtered.observed = result.observed;
   filtered.sources = result.sources;
   filtered.fully_observed = true;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    filtered.covariance.row(kTwistAxes[i]).setZero();
-    filtered.covariance.col(kTwistAxes[i]).setZero();
+  for (const Eigen::Index axis : kTwistAxes) {
+    filtered.covariance.row(axis).setZero();
+    filtered.covariance.col(axis).setZero();
   }
   for (Eigen::Index i = 0; i < 3; ++i) {
     for (Eigen::Index j = 0; j < 3; ++j)

@@ -95,7 +95,8 @@ cv_bridge::CvImage smaller(const cv_bridge::CvImage& picture) {
 
 std::vector<NodeletEntry> nodeletsOf(XmlRpc::XmlRpcValue entries) {
   std::vector<NodeletEntry> nodelets;
-  for (int i = 0; i < entries.size(); ++i) {
+  const int count = entries.size();
+  for (int i = 0; i < count; ++i) {
     XmlRpc::XmlRpcValue& entry = entries[i];
     nodelets.push_back({entry["name"], entry["type"], {}});
     for (auto& [from, to] : entry["remappings"])

@@ -56,7 +56,7 @@ std::string choices(const Field& field) {
 
 /// A flag that is off has none worth saying.
 std::string defaultText(const Field& field) {
-  const std::string text = toText(field.get());
+  std::string text = toText(field.get());
   if (field.type == FieldType::kBool) return text == "true" ? "on" : "";
   return text;
 }

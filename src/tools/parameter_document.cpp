@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "parameter_document.h"
 
+#include <fmt/format.h>
 #include <rapidjson/prettywriter.h>
 #include <rapidjson/stringbuffer.h>
 
@@ -130,7 +131,7 @@ bool isUnsetOverride(const Field& field) {
 std::string namesOfOverrides(const FieldList& fields, const std::string& quote = "") {
   std::string names;
   for (const Field& field : fields)
-    if (field.overrides) append(names, quote + field.name + quote, ", ");
+    if (field.overrides) append(names, fmt::format("{0}{1}{0}", quote, field.name), ", ");
   return names;
 }
 

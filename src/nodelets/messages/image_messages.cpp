@@ -83,7 +83,7 @@ cv::Mat companionOf(const cv::Mat& flow, const sensor_msgs::Image& message, cons
                     const std::string& what) {
   if (message.data.empty()) return {};
   expectEncoding(message, encoding, what);
-  const cv::Mat image = viewOf(message, what);
+  cv::Mat image = viewOf(message, what);
   if (image.size() != flow.size()) {
     throw std::invalid_argument(what + " of " + sizeText(image.size()) + " px does not match the flow of " +
                                 sizeText(flow.size()) + " px");
@@ -211,7 +211,7 @@ DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int cha
 }
 
 cv::Mat depthOf(const sensor_msgs::Image& message) {
-  const cv::Mat depth = depthViewOf(message);
+  cv::Mat depth = depthViewOf(message);
   if (depth.type() == CV_32FC1) return depth;
   cv::Mat metres;
   depth.convertTo(metres, CV_32FC1, 1e-3);

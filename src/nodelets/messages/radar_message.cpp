@@ -70,7 +70,7 @@ sensor_msgs::PointCloud2ConstPtr cloudOf(const radar_msgs::RadarScan& scan, std:
   if (!scan.returns.empty()) std::memcpy(cloud->data.data(), scan.returns.data(), cloud->data.size());
   // The message has radians, whatever angle_unit says of clouds.
   std::vector<std::string> faults;
-  const auto result = withPositions(cloud, AngleUnit::kRadians, faults);
+  auto result = withPositions(cloud, AngleUnit::kRadians, faults);
   if (faults.empty()) return result;
   defect = "its azimuths are of more than a turn, must be radians";
   return nullptr;

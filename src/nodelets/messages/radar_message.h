@@ -26,7 +26,7 @@ struct RadarMessage {
   /// Is a type, as the master knows it, one of those?
   static bool takes(const std::string& type);
   /// Of the connection; comes before read().
-  void setType(const std::string& type, const std::string& md5sum);
+  void setType(const std::string& given, const std::string& md5sum);
   /// @throws ros::serialization::StreamOverrunException for data that end too early
   void read(std::uint8_t* data, std::uint32_t length);
 };

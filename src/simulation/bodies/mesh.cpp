@@ -84,8 +84,8 @@ void MeshBuilder::cone(const Vector3f& from, const Vector3f& to, float from_radi
     return Vector3f(std::cos(angle) * u + std::sin(angle) * v);
   };
   std::vector<Vector3f> points;
-  for (int side = 0; side < sides; ++side) points.push_back(from + from_radius * rim(side));
-  for (int side = 0; side < sides; ++side) points.push_back(to + to_radius * rim(side));
+  for (int side = 0; side < sides; ++side) points.emplace_back(from + from_radius * rim(side));
+  for (int side = 0; side < sides; ++side) points.emplace_back(to + to_radius * rim(side));
   sheet(points, sides);
   if (!caps) return;
   for (int side = 0; side < sides; ++side) {
@@ -104,8 +104,9 @@ void MeshBuilder::capsule(const Vector3f& from, const Vector3f& to, float from_r
   const auto ring = [&, u = first, v = second](const Vector3f& centre, float radius, float latitude) {
     for (int side = 0; side < sides; ++side) {
       const float angle = kTwoPi * static_cast<float>(side) / static_cast<float>(sides);
-      points.push_back(centre + radius * (std::cos(latitude) * (std::cos(angle) * u + std::sin(angle) * v) +
-                                          std::sin(latitude) * axis));
+      points.emplace_back(centre +
+                          radius * (std::cos(latitude) * (std::cos(angle) * u + std::sin(angle) * v) +
+                                    std::sin(latitude) * axis));
     }
   };
   for (int i = 0; i < kRings; ++i)
@@ -121,7 +122,7 @@ void MeshBuilder::ellipsoid(const Vector3f& centre, const Vector3f& radii, int s
     const float latitude = 0.4995F * kTwoPi * (static_cast<float>(ring) / static_cast<float>(rings) - 0.5F);
     for (int side = 0; side < sides; ++side) {
       const float angle = kTwoPi * static_cast<float>(side) / static_cast<float>(sides);
-      points.push_back(
+      points.emplace_back(
           centre + radii.cwiseProduct(Vector3f(std::cos(latitude) * std::cos(angle),
                                                std::cos(latitude) * std::sin(angle), std::sin(latitude))));
     }
@@ -139,8 +140,8 @@ void MeshBuilder::torus(const Vector3f& centre, const Vector3f& axis, float radi
     const Vector3f outward = std::cos(angle) * first + std::sin(angle) * second;
     for (int tube = 0; tube < tube_sides; ++tube) {
       const float turn = -kTwoPi * static_cast<float>(tube) / static_cast<float>(tube_sides);
-      points.push_back(centre + radius * outward +
-                       tube_radius * (std::cos(turn) * outward + std::sin(turn) * unit));
+      points.emplace_back(centre + radius * outward +
+                          tube_radius * (std::cos(turn) * outward + std::sin(turn) * unit));
     }
   }
   sheet(points, tube_sides);
@@ -150,7 +151,7 @@ void MeshBuilder::add(const Mesh& mesh, const Eigen::Isometry3f& T_this_from_mes
   const std::uint32_t first = count(mesh_.positions);
   const auto first_surface = static_cast<std::uint32_t>(mesh_.surfaces.size());
   for (const Vector3f& position : mesh.positions) mesh_.positions.push_back(T_this_from_mesh * position);
-  for (const Vector3f& normal : mesh.normals) mesh_.normals.push_back(T_this_from_mesh.linear() * normal);
+  for (const Vector3f& normal : mesh.normals) mesh_.normals.emplace_back(T_this_from_mesh.linear() * normal);
   for (Mesh::Triangle triangle : mesh.triangles) {
     for (std::uint32_t& corner : triangle.corners) corner += first;
     triangle.surface += first_surface;

@@ -86,7 +86,7 @@ Vector3f addBranch(MeshBuilder& builder, RandomStream& random, const Vector3f& f
     const float radius = from_radius + share * (to_radius - from_radius);
     for (int side = 0; side < sides; ++side) {
       const float turn = kTwoPi * static_cast<float>(side) / static_cast<float>(sides);
-      points.push_back(centre + radius * (across * Vector3f(std::cos(turn), std::sin(turn), 0.0F)));
+      points.emplace_back(centre + radius * (across * Vector3f(std::cos(turn), std::sin(turn), 0.0F)));
     }
   }
   builder.sheet(points, sides);

@@ -45,8 +45,9 @@ void tube(MeshBuilder& builder, const std::vector<Ring>& rings, int sides) {
   std::vector<Vector3f> points;
   const auto add = [&](const Ring& ring, float scale) {
     for (int side = 0; side < sides; ++side)
-      points.push_back(ring.centre + scale * Vector3f(ring.radius_x * std::cos(turnOf(side, sides)),
-                                                      ring.radius_y * std::sin(turnOf(side, sides)), 0.0F));
+      points.emplace_back(ring.centre + scale * Vector3f(ring.radius_x * std::cos(turnOf(side, sides)),
+                                                         ring.radius_y * std::sin(turnOf(side, sides)),
+                                                         0.0F));
   };
   add(rings.front(), 0.001F);
   for (const Ring& ring : rings) add(ring, 1.0F);

@@ -134,7 +134,8 @@ struct Snapshot::Data {
     return {distance, object, triangle,
             u,        v,      facing(T_map_from_objects[object].linear() * normal, direction)};
   }
-  void place(RTCDevice device, RTCScene mesh_scene, std::uint32_t number, const Eigen::Isometry3d& pose) {
+  void place(RTCDevice device, RTCScene mesh_scene, std::uint32_t number,
+             const Eigen::Isometry3d& pose) const {
     const RTCGeometry instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, mesh_scene);
     const Eigen::Matrix4f matrix = pose.matrix().cast<float>();

@@ -16,17 +16,17 @@ constexpr double kOpaque = -1.0;
 /// dBsm at 60 degrees off the normal and 40 m range.
 double materialStrength(Material material) {
   switch (material) {
-    case Material::kAsphalt: return -17.0;
+    case Material::kAsphalt:
     case Material::kLanePaint: return -17.0;
     case Material::kPavement: return -13.0;
     case Material::kGrass: return -11.0;
     case Material::kSoil: return -12.0;
     case Material::kKerb: return -3.0;
-    case Material::kConcrete: return 0.0;
+    case Material::kConcrete:
     case Material::kBrick: return 0.0;
     case Material::kPlaster: return -1.0;
     case Material::kRoof: return -2.0;
-    case Material::kWindowPane: return 1.0;
+    case Material::kWindowPane:
     case Material::kShopWindow: return 1.0;
     case Material::kWood: return -4.0;
     case Material::kFoliage: return -5.0;

@@ -46,10 +46,10 @@ struct ReturnContext {
 
 /// Fills invalid_state, ambig_state, pdh0 and dyn_prop; rcs must be set. The shares are those of real
 /// scans by range, azimuth and cross-section.
-void judgeReturn(RadarReturn& radar_return, const ReturnContext& context, const RadarModel& model,
+void judgeReturn(RadarReturn& judged, const ReturnContext& context, const RadarModel& model,
                  RandomStream& random);
 
 /// Fills the accuracy codes: one step is a factor 1.29.
-void codeAccuracies(RadarReturn& radar_return, const ReturnContext& context, RandomStream& random);
+void codeAccuracies(RadarReturn& coded, const ReturnContext& context, RandomStream& random);
 
 }  // namespace radar_dot::simulation

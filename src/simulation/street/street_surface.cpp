@@ -13,7 +13,7 @@ constexpr double kLineWidth = 0.12;  // m
 
 void layCrossSection(GroundBatch& ground, const Street& street, const Street::Gap& stretch) {
   const double half = street.profile.halfRoad();
-  const auto [low, high] = stretch;
+  const double low = stretch.low, high = stretch.high;
   ground.use(kAsphaltSurface);
   ground.strip(low, high, kGutterWidth - half, half - kGutterWidth, 0.0);
   for (const double side : {-1.0, 1.0}) {
