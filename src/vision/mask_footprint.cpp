@@ -45,16 +45,16 @@ void validate(const MaskFootprint& footprint) {
   requireLess(fields, footprint.bottom, footprint.top);
 }
 
-std::vector<std::uint8_t> pointsInMask(const std::vector<Eigen::Vector3f>& points, const StampedMask& stamped,
+std::vector<std::uint8_t> pointsInMask(const std::vector<Eigen::Vector3f>& points, const StampedMask& mask,
                                        const MaskFootprint& footprint) {
-  const cv::Mat& mask = stamped.mask;
-  const CameraIntrinsics& camera = stamped.camera;
-  if (mask.type() != CV_8UC1 || mask.cols != camera.width || mask.rows != camera.height) {
+  const cv::Mat& pixels = mask.mask;
+  const CameraIntrinsics& camera = mask.camera;
+  if (pixels.type() != CV_8UC1 || pixels.cols != camera.width || pixels.rows != camera.height) {
     throw std::invalid_argument("mask: expected CV_8UC1 of " + std::to_string(camera.width) + " x " +
                                 std::to_string(camera.height) + " px, the camera's grid");
   }
   std::vector<std::uint8_t> in_mask(points.size(), 0);
-  const Eigen::Isometry3f T = stamped.T_camera_from_base.cast<float>();
+  const Eigen::Isometry3f T = mask.T_camera_from_base.cast<float>();
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) continue;
     const Eigen::Vector3f bottom =
@@ -63,7 +63,7 @@ std::vector<std::uint8_t> pointsInMask(const std::vector<Eigen::Vector3f>& point
         T * Eigen::Vector3f(points[i].x(), points[i].y(), static_cast<float>(footprint.top));
     if (bottom.z() < kNearest || top.z() < kNearest) continue;
     const ColumnCount count =
-        countColumn(camera.project(bottom.cast<double>()), camera.project(top.cast<double>()), mask);
+        countColumn(camera.project(bottom.cast<double>()), camera.project(top.cast<double>()), pixels);
     if (count.visible > 0 && count.marked >= footprint.min_fraction * count.visible) in_mask[i] = 1;
   }
   return in_mask;
