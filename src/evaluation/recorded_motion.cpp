@@ -404,7 +404,8 @@ void RecordingOptions::describe(FieldList& fields) {
   fields.add("estimate_frame", estimate_frame, "Frame of the estimated velocity; empty: as its messages say");
   fields.add("reference_frame", reference_frame, "Frame of the reference; empty: as its messages say");
   fields.add("keyframes", keyframes,
-             "Compare velocities once between every two messages of this topic, at their middle, e.g. "
+             "Compare velocities once between every two messages of this topic, at their middle, and with "
+             "the poses at both for reference_velocity pose, e.g. "
              "/ground_truth/boxes; empty: at every estimate");
   fields.add("masks", masks, "Estimated masks: Image; empty: none");
   fields.add("mask_truth", mask_truth, "True masks: CompressedImage");
