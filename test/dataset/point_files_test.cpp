@@ -275,7 +275,8 @@ TEST_F(PointFiles, OtherFilesAreNoLidarScans) {
   const auto scan = [](std::size_t columns, auto zero) {
     std::string bytes;
     for (int i = 0; i < 1280; ++i) {
-      const double angle = 0.1571 * (i / 32);
+      const int column = i / 32;
+      const double angle = 0.1571 * column;
       const double values[6] = {20.5 * std::cos(angle), 20.5 * std::sin(angle), 0.1 * (i % 32) - 1.84,
                                 i % 256 * 1.0,          i % 32 * 1.0,           1e-4 * i};
       for (std::size_t k = 0; k < columns; ++k) {

@@ -38,10 +38,8 @@ TEST(TokenPool, DifferentTextsNeverShareAToken) {
                                           kHex,
                                           "00A1B2C3D4E5F60718293A4B5C6D7E8F",
                                           std::string(32, '0'),
-                                          "0000000000000000"
-                                          "0000000000000001",
-                                          "0000000000000001"
-                                          "0000000000000000",
+                                          std::string(31, '0') + "1",
+                                          std::string(15, '0') + "1" + std::string(16, '0'),
                                           kHex + "0",
                                           kHex.substr(1),
                                           "00a1b2c3d4e5f60718293a4b5c6d7e8g"};

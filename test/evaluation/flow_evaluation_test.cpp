@@ -74,7 +74,8 @@ TEST_F(FixtureFlowEvaluation, AShiftIsTheErrorOnEveryGrid) {
     SCOPED_TRACE(width);
     const FlowReport report = evaluate("known", width);
     const int grid_width = width == 0 ? FixtureFlow::size().width : width;
-    const double pixels = 2.0 * grid_width * (grid_width * 9 / 16);  // of two pairs
+    const int grid_height = grid_width * 9 / 16;
+    const double pixels = 2.0 * grid_width * grid_height;  // of two pairs
     EXPECT_EQ(report.scene, "scene-0001");
     EXPECT_EQ(report.pairs, 2U);
     EXPECT_EQ(report.seconds.size(), 2U);

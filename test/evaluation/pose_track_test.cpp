@@ -22,7 +22,7 @@ PoseTrack arc(double v, double w) {
   std::vector<StampedPose> poses;
   for (int i = 0; i <= 200; ++i) {
     const double t = 0.05 * i;
-    poses.push_back({t, pose(v / w * std::sin(w * t), v / w * (1.0 - std::cos(w * t)), w * t)});
+    poses.emplace_back(t, pose(v / w * std::sin(w * t), v / w * (1.0 - std::cos(w * t)), w * t));
   }
   return PoseTrack(std::move(poses));
 }
@@ -57,7 +57,7 @@ TEST(TrajectoryErrors, KnownDrift) {
   const PoseTrack truth({{0.0, pose(0.0, 0.0, 0.0)}, {10.0, pose(100.0, 0.0, 0.0)}});
   std::vector<StampedPose> estimate;
   for (int i = 0; i <= 10; ++i)
-    estimate.push_back({1.0 * i, pose(10.0 * i, 0.1 * i, 0.0)});  // 1 % to the side
+    estimate.emplace_back(1.0 * i, pose(10.0 * i, 0.1 * i, 0.0));  // 1 % to the side
   const TrajectoryError error = compareTrajectory(estimate, truth);
   EXPECT_NEAR(error.driftPercent(), 1.0, 1e-9);
   double squares = 0.0;

@@ -112,7 +112,7 @@ Diagnostics::Diagnostics(ros::NodeHandle& handle)
             const std::lock_guard<std::mutex> lock(mutex_);
             for (const diagnostic_msgs::DiagnosticStatus& status : array->status) {
               Status entry;
-              entry.level = status.level;
+              entry.level = static_cast<unsigned char>(status.level);
               entry.message = status.message;
               for (const diagnostic_msgs::KeyValue& value : status.values)
                 entry.values[value.key] = value.value;

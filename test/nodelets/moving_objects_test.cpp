@@ -273,7 +273,7 @@ TEST_F(MovingObjectsTest, BadMessagesAreNamedAndHarmNobody) {
       case 5: cloud.header.stamp -= ros::Duration(1.0); break;
       case 6: cloud.header.frame_id = "no_such_frame"; break;
       case 7: cloud.fields[0].offset = 4'000'000'000U; break;
-      case 8: return poses.publish(pose);
+      case 8:
       case 9: return poses.publish(pose);  // no quaternion
       default: return twists.publish(twist);
     }

@@ -172,8 +172,9 @@ std::size_t connectionsOf(const std::string& topic) {
   XmlRpc::XmlRpcClient self("localhost", ros::XMLRPCManager::instance()->getServerPort(), "/");
   if (!self.execute("getBusInfo", request, answer) || answer.size() < 3) return 0;
   XmlRpc::XmlRpcValue& connections = answer[2];
+  const int size = connections.size();
   std::size_t count = 0;
-  for (int i = 0; i < connections.size(); ++i) {
+  for (int i = 0; i < size; ++i) {
     XmlRpc::XmlRpcValue& one = connections[i];
     if (static_cast<std::string&>(one[2]) == "i" && static_cast<std::string&>(one[4]) == topic) ++count;
   }

@@ -20,6 +20,7 @@ struct Images {
   cv::Mat depth = cv::Mat(200, 400, CV_32FC1, cv::Scalar(60.0));
   cv::Mat residual = cv::Mat::zeros(200, 400, CV_32FC2);
   /// An object in a box of pixels that moves with `velocity` (m/s, camera frame) for `interval` s.
+  // NOLINTNEXTLINE(readability-make-member-function-const): the pixels change
   void add(const cv::Rect& box, float metres, const Eigen::Vector3d& velocity, double interval) {
     mask(box) = 255;
     depth(box) = metres;

@@ -40,24 +40,24 @@ namespace pcl {
 
 /// Which bytes of a message are which of a point; in place of PCL's own, which warns of all that is missing.
 template <>
-inline void createMapping<radar_dot::RadarPoint>(const std::vector<PCLPointField>& message,
-                                                 MsgFieldMap& mapping) {
+inline void createMapping<radar_dot::RadarPoint>(const std::vector<PCLPointField>& msg_fields,
+                                                 MsgFieldMap& field_map) {
   std::vector<PCLPointField> wanted;
   for_each_type<traits::fieldList<radar_dot::RadarPoint>::type>(
       detail::FieldAdder<radar_dot::RadarPoint>(wanted));
   for (const PCLPointField& field : wanted) {
-    const auto named = [&message](const std::string& name) {
-      return std::find_if(message.begin(), message.end(),
+    const auto named = [&msg_fields](const std::string& name) {
+      return std::find_if(msg_fields.begin(), msg_fields.end(),
                           [&name](const PCLPointField& given) { return given.name == name; });
     };
     auto given = named("ego_" + field.name);
-    if (given == message.end()) given = named(field.name);
-    if (given != message.end() && given->datatype == field.datatype && given->count <= 1) {
-      mapping.emplace_back();
-      mapping.back().serialized_offset = given->offset;
-      mapping.back().struct_offset = field.offset;
-      mapping.back().size = sizeof(float);
-    } else if (field.name != "rcs" && (field.name != "z" || given != message.end())) {
+    if (given == msg_fields.end()) given = named(field.name);
+    if (given != msg_fields.end() && given->datatype == field.datatype && given->count <= 1) {
+      field_map.emplace_back();
+      field_map.back().serialized_offset = given->offset;
+      field_map.back().struct_offset = field.offset;
+      field_map.back().size = sizeof(float);
+    } else if (field.name != "rcs" && (field.name != "z" || given != msg_fields.end())) {
       PCL_WARN("radar_dot::RadarPoint: the cloud has no field '%s' of type float32.\n", field.name.c_str());
     }
   }
