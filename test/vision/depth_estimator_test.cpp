@@ -135,7 +135,7 @@ TEST(LidarDepth, ClosesGapsAndLeavesTheSkyOpen) {
   for (int v = 60; v <= 240; v += 7) {
     for (int u = 20; u <= 380; u += 7) {
       const double d = u > 190 && u < 230 ? 10.0 : 25.0;
-      in.lidar_points.push_back((mount() * (d * kCamera.rayOf(u, v))).cast<float>());
+      in.lidar_points.emplace_back((mount() * (d * kCamera.rayOf(u, v))).cast<float>());
     }
   }
   DepthParams params;
@@ -184,7 +184,7 @@ TEST(LidarDepth, RoadsStayFlat) {
   DepthInput in = input();
   for (int v = 140; v <= 300; v += 8)
     for (int u = 0; u <= 400; u += 2)
-      in.lidar_points.push_back((mount() * (600.0 / (v - 100) * kCamera.rayOf(u, v))).cast<float>());
+      in.lidar_points.emplace_back((mount() * (600.0 / (v - 100) * kCamera.rayOf(u, v))).cast<float>());
   DepthParams params;
   params.backend = "lidar";
   const cv::Mat depth = makeDepthEstimator(params)->estimate(in);
@@ -197,8 +197,8 @@ TEST(LidarDepth, RoadsStayFlat) {
 TEST(LidarDepth, WideGapsStayOpen) {
   DepthInput in = input();
   for (int u = 0; u <= 400; u += 2) {
-    in.lidar_points.push_back((mount() * (10.0 * kCamera.rayOf(u, 100))).cast<float>());
-    in.lidar_points.push_back((mount() * (10.0 * kCamera.rayOf(u, 160))).cast<float>());
+    in.lidar_points.emplace_back((mount() * (10.0 * kCamera.rayOf(u, 100))).cast<float>());
+    in.lidar_points.emplace_back((mount() * (10.0 * kCamera.rayOf(u, 160))).cast<float>());
   }
   DepthParams params;
   params.backend = "lidar";

@@ -143,7 +143,7 @@ TEST(LidarStd, GrowsAwayFromThePoints) {
   DepthInput in = input();
   for (int v = 60; v <= 240; v += 8)
     for (int u = 20; u <= 380; u += 8)
-      in.lidar_points.push_back((mount() * (25.0 * kCamera.rayOf(u, v))).cast<float>());
+      in.lidar_points.emplace_back((mount() * (25.0 * kCamera.rayOf(u, v))).cast<float>());
   DepthParams params;
   params.backend = "lidar";
   params.lidar.completion_kernel = 60;
