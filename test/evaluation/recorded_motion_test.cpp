@@ -301,7 +301,8 @@ TEST_F(RecordedMotionTest, VelocityOfPoses) {
   EXPECT_NEAR(figure(evaluate(), "vx/bias"), 0.2, 1e-6);
 }
 
-// Accelerating by 2 m/s^2; the estimate is 0.1 m/s too fast from half-way between the keyframes on, for a while.
+// Accelerating by 2 m/s^2; the estimate is 0.1 m/s too fast from half-way between the keyframes on, for a
+// while.
 TEST_F(RecordedMotionTest, OnceBetweenKeyframes) {
   options_.keyframes = "/boxes";
   for (int i = 0; i <= 200; ++i) {
