@@ -108,8 +108,8 @@ struct Stage {
   Stage() {
     // What an image costs: the other core may work on another one.
     cv::setNumThreads(1);
-    first.greyOnGrid(kWorkingWidth);
-    second.greyOnGrid(kWorkingWidth);
+    first.onGrid(kWorkingWidth, 1);
+    second.onGrid(kWorkingWidth, 1);
     pair.depth = pair.next_depth = depth->estimate(street.depthInput(grid));
     pair.camera = grid;
     pair.pixel_scale = static_cast<double>(kCamera.width) / kWorkingWidth;
@@ -121,7 +121,7 @@ struct Stage {
     const auto& flow = forward_backward ? there_and_back : there;
     const cv::Mat expected = expectedFlow(
         grid, staticPointMotion(street.T_base_from_camera, street.T_first_from_second), pair.depth);
-    return flow->compute(first.greyOnGrid(kWorkingWidth), second.greyOnGrid(kWorkingWidth), expected);
+    return flow->compute(first.onGrid(kWorkingWidth, 1), second.onGrid(kWorkingWidth, 1), expected);
   }
 
   const tbb::global_control limit{tbb::global_control::max_allowed_parallelism, 1};
@@ -143,7 +143,7 @@ void decode(benchmark::State& state) {
   const sensor_msgs::CompressedImageConstPtr& jpeg = stage().street.second;
   for (auto _ : state) {
     LazyImage image(jpeg);
-    benchmark::DoNotOptimize(image.greyOnGrid(kWorkingWidth).data);
+    benchmark::DoNotOptimize(image.onGrid(kWorkingWidth, 1).data);
   }
 }
 

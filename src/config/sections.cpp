@@ -215,7 +215,9 @@ void validate(const MovingObjectsConfig& config) {
 void OverlayConfig::describe(FieldList& fields) {
   stream.describe(fields);
   fields.group("Drawing", FieldList::kLiveOnly);
-  fields.add("panel_width", panel_width, "Width of each of the six panels", "px", {64, 3840});
+  fields.add("panel_width", panel_width,
+             "Width of overlay/mask, if the image is not smaller, and of each of the six panels", "px",
+             {64, 3840});
   fields.add("max_flow", max_flow, "Flow that is drawn in pure colour, px of the image; 0: from the image",
              "px", {0.0, 10000.0});
   fields.add("max_residual", max_residual,

@@ -207,7 +207,7 @@ class SceneCheck {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       enter(part, i);
       require(i == 0 || rows[i - 1].timestamp_us < rows[i].timestamp_us, "not later than the one before it");
-      forEachCanField(rows[i], [this](std::string_view, const auto& value) { checkCanValue(value); });
+      forEachCanField(rows[i], [this](std::string_view, const auto& value) { this->checkCanValue(value); });
     }
   }
   void checkCanValue(double value) const { checkCanValue(std::array<double, 1>{value}); }

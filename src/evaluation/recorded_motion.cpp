@@ -485,7 +485,7 @@ MotionReport evaluateRecording(const bag::BagInput& input, const RecordingOption
 
 std::string checkedTopic(const bag::BagInput& input, const std::string& option, const std::string& topic,
                          const std::vector<std::string>& types) {
-  const std::string name = topic.empty() ? "it" : "/" + withoutSlash(topic);
+  std::string name = topic.empty() ? "it" : "/" + withoutSlash(topic);
   const auto found = input.topics().find(name);
   const auto fits = [&](const std::string& type) {
     return std::find(types.begin(), types.end(), type) != types.end();

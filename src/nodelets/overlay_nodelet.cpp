@@ -15,6 +15,7 @@ constexpr double kInputTimeout = 0.3;  // s that a mask waits for what belongs t
 constexpr double kKept = 2.0;          // s of images: as long as the other inputs are kept
 constexpr std::size_t kMaxKept = 40;   // images; raw ones are large
 constexpr double kPanelShape = 9.0 / 16.0;
+constexpr int kColour = 3;        // channels
 constexpr float kNearest = 0.1F;  // m; what is nearer to the camera's plane has no useful pixel
 
 }  // namespace
@@ -168,13 +169,9 @@ void OverlayNodelet::draw(const sensor_msgs::ImageConstPtr& message, const Parts
   // The masks stay in their messages, which outlive this function.
   const DecodedImage mask = decodedImageOf(message);
   const DecodedImage valid = parts.valid ? decodedImageOf(parts.valid) : DecodedImage{};
-  const cv::Mat& image = parts.image->pixels();
-  if (maskWanted()) {
-    mask_publisher_.publish(imageMessage(header, "bgr8", overlayMask(image, mask.pixels, valid.pixels)));
-  }
   if (panelsWanted()) {
     SixPanelInput input;
-    input.image = image;
+    input.image = parts.image->pixels();  // flows are drawn in its pixels
     input.mask = mask.pixels;
     input.valid = valid.pixels;
     if (parts.depth) input.depth = radar_dot::depthOf(*parts.depth);
@@ -186,6 +183,10 @@ void OverlayNodelet::draw(const sensor_msgs::ImageConstPtr& message, const Parts
     input.max_depth = config_.max_drawn_depth;
     input.panel = {config_.panel_width, static_cast<int>(std::lround(config_.panel_width * kPanelShape))};
     panels_publisher_.publish(imageMessage(header, "bgr8", sixPanel(input)));
+  }
+  if (maskWanted()) {
+    const cv::Mat& image = parts.image->onGrid(config_.panel_width, kColour);
+    mask_publisher_.publish(imageMessage(header, "bgr8", overlayMask(image, mask.pixels, valid.pixels)));
   }
   drawing_time_ = (ProcessClock::now() - start).toSec();
   ++drawn_;

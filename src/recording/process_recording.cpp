@@ -13,7 +13,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -83,15 +82,6 @@ bool isBulky(const std::string& type) {
 
 /// What dynamic_reconfigure and image_transport publish of themselves.
 bool isHousekeeping(const std::string& type) { return type.rfind("dynamic_reconfigure/", 0) == 0; }
-
-/// A picture to look at: full size would take a third of the time and most of the bag.
-cv_bridge::CvImage smaller(const cv_bridge::CvImage& picture) {
-  constexpr double kWidth = 960.0;  // px
-  const double scale = std::min(1.0, kWidth / picture.image.cols);
-  cv_bridge::CvImage reduced(picture.header, picture.encoding);
-  cv::resize(picture.image, reduced.image, {}, scale, scale, cv::INTER_AREA);
-  return reduced;
-}
 
 std::vector<NodeletEntry> nodeletsOf(XmlRpc::XmlRpcValue entries) {
   std::vector<NodeletEntry> nodelets;
@@ -234,7 +224,7 @@ class Processing {
     if (is_picture) {
       const cv_bridge::CvImageConstPtr picture = cv_bridge::toCvShare(
           boost::shared_ptr<sensor_msgs::Image>(message.instantiate<sensor_msgs::Image>()));
-      output_.write(topic + "/compressed", ros::Time::now(), *smaller(*picture).toCompressedImageMsg());
+      output_.write(topic + "/compressed", ros::Time::now(), *picture->toCompressedImageMsg());
       return;
     }
     output_.write(topic, ros::Time::now(), message, event.getConnectionHeaderPtr());

@@ -141,9 +141,9 @@ class RadarGroundDepth : public DepthEstimator {
     struct Row {
       float* depths;
       float* stds;
-      void show(int u, float depth, float relative_std) const {
-        if (depths[u] <= depth) return;  // false where nothing was known
-        depths[u] = depth;
+      void show(int u, float metres, float relative_std) const {
+        if (depths[u] <= metres) return;  // false where nothing was known
+        depths[u] = metres;
         if (stds != nullptr) stds[u] = relative_std;
       }
     };

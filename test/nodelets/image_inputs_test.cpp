@@ -337,6 +337,9 @@ TEST_F(ImageInputs, PicturesAreDrawnWhileTheyHaveSubscribers) {
   EXPECT_EQ(masks.latest()->width, 320U);
   EXPECT_EQ(panels.latest()->encoding, "bgr8");
   EXPECT_EQ(panels.latest()->width, 3U * 640U);
+  reconfigure("overlay", {{"panel_width", 160}});
+  EXPECT_TRUE(
+      waitUntil([&] { return masks.latest()->width == 160U && panels.latest()->width == 3U * 160U; }));
   // A part that does not come is missing in the picture, not the picture.
   camera_.set([](Frame& frame) { frame.depth.header.stamp += ros::Duration(0.001); });
   EXPECT_TRUE(diagnostics_.says("overlay: overlay", DiagnosticStatus::WARN, "/topic_depth/depth"));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nodelets/messages/image_messages.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -297,21 +298,25 @@ LazyImage lazy(const sensor_msgs::CompressedImage& message) {
   return LazyImage(boost::make_shared<const sensor_msgs::CompressedImage>(message));
 }
 
-TEST(LazyImage, GreyOnAGridIsThatOfTheWholeImage) {
+TEST(LazyImage, PicturesOnAGridAreThatOfTheWholeImage) {
   const cv::Size size(1401, 801);  // odd, so that half of it is not a whole number
   for (const char* format : {"jpg", "png"}) {
     // Decoded whole, at half, at a quarter, and at an eighth of its size.
     for (const int working_width : {0, 800, 640, 320, 160}) {
-      SCOPED_TRACE(std::string(format) + " " + std::to_string(working_width));
-      LazyImage image = lazy(slope(format, size));
-      const cv::Mat& grey = image.greyOnGrid(working_width);
-      EXPECT_EQ(image.size(), size);
-      ASSERT_EQ(grey.size(), workingGrid(size, working_width));
-      ASSERT_EQ(grey.type(), CV_8UC1);
-      const double across = 1401.0 / grey.cols, down = 801.0 / grey.rows;
-      for (const cv::Point at : {cv::Point(3, 5), cv::Point(grey.cols / 2, 7), cv::Point(50, grey.rows - 4)})
-        EXPECT_NEAR(grey.at<std::uint8_t>(at), ((at.x + 0.5) * across + (at.y + 0.5) * down) / 10.0, 1.5)
-            << at;
+      for (const int channels : {1, 3}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", format, working_width, channels));
+        LazyImage image = lazy(slope(format, size));
+        const cv::Mat& picture = image.onGrid(working_width, channels);
+        EXPECT_EQ(image.size(), size);
+        ASSERT_EQ(picture.size(), workingGrid(size, working_width));
+        ASSERT_EQ(picture.type(), CV_8UC(channels));
+        const double across = 1401.0 / picture.cols, down = 801.0 / picture.rows;
+        for (const cv::Point at :
+             {cv::Point(3, 5), cv::Point(picture.cols / 2, 7), cv::Point(50, picture.rows - 4)})
+          EXPECT_NEAR(picture.ptr(at.y)[at.x * channels],
+                      ((at.x + 0.5) * across + (at.y + 0.5) * down) / 10.0, 1.5)
+              << at;
+      }
     }
   }
 }
@@ -325,8 +330,8 @@ TEST(LazyImage, JpegsAreDecodedNoFinerThanAsked) {
 
 TEST(LazyImage, OtherGridsAndColourAreStillThere) {
   LazyImage image = lazy(slope("jpg", {640, 360}));
-  EXPECT_EQ(image.greyOnGrid(160).size(), cv::Size(160, 90));
-  EXPECT_EQ(image.greyOnGrid(320).size(), cv::Size(320, 180));
+  EXPECT_EQ(image.onGrid(160, 1).size(), cv::Size(160, 90));
+  EXPECT_EQ(image.onGrid(320, 1).size(), cv::Size(320, 180));
   EXPECT_EQ(image.pixels().size(), cv::Size(640, 360));
   EXPECT_EQ(image.pixels().type(), CV_8UC3);
 }
@@ -339,7 +344,7 @@ TEST(LazyImage, RawImagesBecomeGreyOnAGridAsWell) {
   message->step = 3 * 64;
   for (int i = 0; i < 64 * 36; ++i) message->data.insert(message->data.end(), {200, 100, 50});
   LazyImage image{sensor_msgs::ImageConstPtr(message)};
-  const cv::Mat& grey = image.greyOnGrid(32);
+  const cv::Mat& grey = image.onGrid(32, 1);
   ASSERT_EQ(grey.size(), cv::Size(32, 18));
   EXPECT_EQ(image.size(), cv::Size(64, 36));
   EXPECT_EQ(grey.at<std::uint8_t>(9, 20), 96);  // 0.114 * 200 + 0.587 * 100 + 0.299 * 50
@@ -353,7 +358,7 @@ TEST(LazyImage, TurnedJpegsHaveTheSizeOfTheirPixels) {
                                             1,    0,    0, 0,  6,   0,   0,   0,   0,    0,    0,   0};
   message.data.insert(message.data.begin() + 2, turned.begin(), turned.end());
   LazyImage image = lazy(message);
-  EXPECT_EQ(image.greyOnGrid(90).size(), cv::Size(90, 160));
+  EXPECT_EQ(image.onGrid(90, 1).size(), cv::Size(90, 160));
   EXPECT_EQ(image.size(), cv::Size(360, 640));
 }
 
@@ -362,7 +367,7 @@ TEST(LazyImage, RefusesJpegsThatBreakOff) {
   for (const std::size_t bytes : {0, 1, 2, 3, 4, 20, 100}) {
     sensor_msgs::CompressedImage message = whole;
     message.data.resize(bytes);
-    EXPECT_THROW(lazy(message).greyOnGrid(160), std::invalid_argument) << bytes;
+    EXPECT_THROW(lazy(message).onGrid(160, 1), std::invalid_argument) << bytes;
   }
 }
 

@@ -35,6 +35,7 @@ struct Appender {
   dynamic_reconfigure::Config& config;
   const std::string& name;
   void operator()(bool value) const { append(config.bools, name, value); }
+  void operator()(int value) const { append(config.ints, name, value); }
   void operator()(double value) const { append(config.doubles, name, value); }
   void operator()(const std::string& value) const { append(config.strs, name, value); }
 };

@@ -31,7 +31,7 @@ struct Setting {
       : name(parameter),
         value(std::conditional_t<std::is_arithmetic_v<Value>, Value, std::string>(new_value)) {}
   std::string name;
-  std::variant<bool, double, std::string> value;
+  std::variant<bool, int, double, std::string> value;
 };
 
 /// Changes parameters of a nodelet. @return the texts and numbers in use afterwards; none: rejected

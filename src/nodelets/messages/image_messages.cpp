@@ -197,8 +197,9 @@ DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int cha
   if (fault.empty()) {
     try {
       // The flags of the reductions are powers of two as well.
-      const int grey = reduction > 1 ? cv::IMREAD_REDUCED_GRAYSCALE_2 * reduction / 2 : cv::IMREAD_GRAYSCALE;
-      picture.pixels = cv::imdecode(message.data, channels == 1 ? grey : cv::IMREAD_COLOR);
+      const int reduced = reduction > 1 ? cv::IMREAD_REDUCED_GRAYSCALE_2 * reduction / 2 : 0;
+      picture.pixels =
+          cv::imdecode(message.data, reduced | (channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR));
     } catch (const cv::Exception& error) {
       throw std::invalid_argument(what + ": " + error.what());
     }

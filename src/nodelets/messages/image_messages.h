@@ -33,7 +33,7 @@ sensor_msgs::ImageConstPtr withEightBits(const sensor_msgs::ImageConstPtr& messa
 /// Without a copy where the encoding is bgr8 or mono8 already, or 8UC3 or 8UC1, which are the same.
 DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message);
 /// Decoded. @param channels   1: to grey, which is quicker; 3: colour
-///          @param reduction  of grey: 1, 2, 4 or 8 times as small, rounded up; much quicker for JPEG
+///          @param reduction  1, 2, 4 or 8 times as small, rounded up; much quicker for JPEG
 DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int channels, int reduction = 1);
 
 /// Depth in m, CV_32FC1: of encoding 32FC1 (m, shared with the message) or 16UC1 (mm, 0 = unknown).

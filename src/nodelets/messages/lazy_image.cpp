@@ -12,7 +12,7 @@
 namespace radar_dot {
 namespace {
 
-constexpr int kGrey = 1, kColour = 3;
+constexpr int kColour = 3;
 
 /// As the header of a JPEG says; empty: it is none, or an unusual one.
 cv::Size jpegSizeOf(const std::vector<std::uint8_t>& bytes) {
@@ -43,7 +43,7 @@ const cv::Mat& LazyImage::pixels() {
 }
 
 /// Pixels from which those on the grid are made; notes the size of the whole image.
-cv::Mat LazyImage::decodedFor(int working_width) {
+cv::Mat LazyImage::decodedFor(int working_width, int channels) {
   if (raw_ || !picture_.pixels.empty()) {
     size_ = pixels().size();
     return pixels();
@@ -53,26 +53,27 @@ cv::Mat LazyImage::decodedFor(int working_width) {
   constexpr int kMostReduced = 8;
   int reduction = 1;
   while (!whole.empty() && reduction < kMostReduced && 2 * reduction * least <= whole.width) reduction *= 2;
-  cv::Mat grey = decodedImageOf(*compressed_, kGrey, reduction).pixels;
+  cv::Mat picture = decodedImageOf(*compressed_, channels, reduction).pixels;
   const auto reduced = [reduction](int side) { return (side + reduction - 1) / reduction; };
-  if (reduction > 1 && grey.size() != cv::Size(reduced(whole.width), reduced(whole.height))) {
+  if (reduction > 1 && picture.size() != cv::Size(reduced(whole.width), reduced(whole.height))) {
     // Turned as its EXIF asks for, or not what the header promised.
-    grey = decodedImageOf(*compressed_, kGrey).pixels;
+    picture = decodedImageOf(*compressed_, channels).pixels;
     reduction = 1;
   }
-  size_ = reduction > 1 ? whole : grey.size();
-  return grey;
+  size_ = reduction > 1 ? whole : picture.size();
+  return picture;
 }
 
-const cv::Mat& LazyImage::greyOnGrid(int working_width) {
-  if (!grey_.empty() && grey_width_ == working_width) return grey_;
-  cv::Mat image = decodedFor(working_width);
+const cv::Mat& LazyImage::onGrid(int working_width, int channels) {
+  if (!on_grid_.empty() && grid_width_ == working_width && grid_channels_ == channels) return on_grid_;
+  cv::Mat image = decodedFor(working_width, channels);
   // The smaller number of channels is the cheaper one to resize.
-  if (image.channels() > 1) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
-  grey_ = resizedImage(image, workingGrid(size_, working_width));
-  grey_width_ = working_width;
+  if (image.channels() > channels) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
+  on_grid_ = resizedImage(image, workingGrid(size_, working_width));
+  grid_width_ = working_width;
+  grid_channels_ = channels;
   picture_ = {};
-  return grey_;
+  return on_grid_;
 }
 
 }  // namespace radar_dot

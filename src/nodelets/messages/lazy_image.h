@@ -25,19 +25,21 @@ class LazyImage {
   cv::Size size();
   /// @throws std::invalid_argument as decodedImageOf()
   const cv::Mat& pixels();
-  /// CV_8UC1 on the grid of `working_width` (workingGrid()), kept instead of the whole picture. A JPEG is
-  /// decoded no finer than that needs. @throws std::invalid_argument as decodedImageOf()
-  const cv::Mat& greyOnGrid(int working_width);
+  /// The picture on the grid of `working_width` (workingGrid()), kept instead of the whole one. A JPEG is
+  /// decoded no finer than that needs. @param channels  1: CV_8UC1; 3: CV_8UC3, but as it is where a raw
+  /// image is grey
+  /// @throws std::invalid_argument as decodedImageOf()
+  const cv::Mat& onGrid(int working_width, int channels);
 
  private:
-  cv::Mat decodedFor(int working_width);
+  cv::Mat decodedFor(int working_width, int channels);
 
   sensor_msgs::ImageConstPtr raw_;
   sensor_msgs::CompressedImageConstPtr compressed_;
   DecodedImage picture_;
-  cv::Size size_;  // where it is known from a grey picture
-  cv::Mat grey_;
-  int grey_width_ = 0;  // working_width of grey_
+  cv::Size size_;  // where it is known from a picture on a grid
+  cv::Mat on_grid_;
+  int grid_width_ = 0, grid_channels_ = 0;  // that on_grid_ was asked for with
 };
 
 }  // namespace radar_dot

@@ -173,7 +173,7 @@ constexpr float kTruckWheel = 0.46F;
 
 /// Cab of a lorry with its front at x = `front_x`, in the body frame.
 void addCab(MeshBuilder& builder, float front_x, float axle_x) {
-  enum Row { kFloor, kUnder, kBumper, kLower, kGrille, kBelt, kWindow, kBrow, kRoof };
+  enum Row { kFloor, kUnder, kBumper, kLower, kGrille, kBeltLine, kWindow, kBrow, kRoof };
   constexpr std::array<LargeLoop, 12> kLoops = {{{0.1F, 0.0F, 0.45F, 0.0F},
                                                  {0.1F, 0.0F, 0.45F, 1.0F},
                                                  {0.0F, 0.0F, 0.48F, 1.0F},
@@ -204,7 +204,7 @@ void addCab(MeshBuilder& builder, float front_x, float axle_x) {
     if (row <= kBumper) return dark;
     if (row == kGrille && front && column.index < 4) return dark;
     if (row == kWindow && (front || (column.zone == Zone::kFrontCorner && column.index < 2))) return glass;
-    if (row == kBelt && front) return dark;
+    if (row == kBeltLine && front) return dark;
     if (column.zone != Zone::kSide || column.index < 1 || column.index >= static_cast<int>(side_x.size()))
       return paint;
     const float ahead = side_x[static_cast<std::size_t>(column.index - 1)];
