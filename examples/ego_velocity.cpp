@@ -8,7 +8,7 @@
 
 int main() {
   // What a radar 3.6 m ahead of the rear axle sees at 10 m/s in a left turn of 0.1 rad/s: the velocity of the
-  // mount is (10, 0.36) m/s, and what stands still comes nearer by its part along the line of sight.
+  // mount is (10, 0.36) m/s, and a static object comes nearer by its part along the line of sight.
   std::vector<radar_dot::DopplerReturn> returns;
   for (double azimuth = -1.0; azimuth < 1.0; azimuth += 0.05) {
     const double doppler = -(10.0 * std::cos(azimuth) + 3.6 * 0.1 * std::sin(azimuth));

@@ -39,14 +39,18 @@ class MaskLoop : public testing::Test {
       mask_.publish(source(scan.header.stamp - ros::Duration(0.05)));
     });
   }
-  /// Mean number of dynamic returns of the estimates to come; -1 when none come.
+  /// Mean number of dynamic returns of the estimates to come, of all radars; -1 when none come.
   double meanDynamicCount() {
     const std::size_t settled = statuses_.count() + 5;
     if (!statuses_.grows(15)) return -1.0;
     const auto all = statuses_.messages();
-    double sum = 0.0;
-    for (std::size_t i = settled; i < all.size(); ++i) sum += all[i]->dynamic_count;
-    return sum / static_cast<double>(all.size() - settled);
+    double sum = 0.0, complete = 0.0;
+    for (std::size_t i = settled; i < all.size(); ++i) {
+      if (all[i]->radar_count < LiveRadars::kRadars) continue;  // a busy machine sends some too late
+      sum += all[i]->dynamic_count;
+      complete += 1.0;
+    }
+    return complete > 0.0 ? sum / complete : -1.0;
   }
   void expectTwistsGoOn() {
     ASSERT_TRUE(twists_.grows(5));
@@ -90,7 +94,7 @@ TEST_F(MaskLoop, OldMasksSayNothing) {
   const double nothing_marked = meanDynamicCount();
   send([](const ros::Time& stamp) { return maskOf(stamp - ros::Duration(3.0), 255); });
   EXPECT_TRUE(diagnostics_.says("ego_velocity: estimator", DiagnosticStatus::WARN, "mask_max_age"));
-  EXPECT_LT(meanDynamicCount(), nothing_marked + 5.0);
+  EXPECT_LT(meanDynamicCount(), nothing_marked + 5.0) << "before: " << nothing_marked;
   expectTwistsGoOn();
 }
 

@@ -22,7 +22,7 @@ constexpr double kMostPatience = 60.0;  // s, after a quicker pace has failed ag
 
 void PairPace::addImage(double stamp, double now) {
   if (images_ > 1 && stamp - stamp_ > kGap * period_) {
-    images_ = 1;  // the next image tells the period anew
+    images_ = 1;  // the next image starts the period again
   } else if (images_ > 0) {
     const double weight = 1.0 / std::min(images_, kImages);
     period_ += weight * (stamp - stamp_ - period_);
