@@ -19,7 +19,6 @@ class DecodeImageNodelet : public ConfiguredNodelet<StreamParams> {
   bool hasAudience() const override { return publisher_.getNumSubscribers() > 0; }
 
   void decode(const sensor_msgs::CompressedImage& message) {
-    constexpr int kColour = 3;
     const ros::WallTime start = ProcessClock::now();
     const DecodedImage picture = decodedImageOf(message, kColour);
     publisher_.publish(imageMessage(message.header, "bgr8", picture.pixels));

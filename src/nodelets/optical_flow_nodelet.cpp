@@ -17,7 +17,6 @@ namespace radar_dot {
 namespace {
 
 constexpr double kWaitingPeriod = 0.02;    // s, how often a waiting pair is looked at
-constexpr int kGrey = 1;                   // channels
 constexpr double kNext = 1e-4;             // s; a pair is computed after the messages that wait already
 constexpr std::uint32_t kImageQueue = 10;  // what is too much is seen, and counted, instead of lost before
 constexpr std::uint32_t kDepthQueue = 30;  // those that come while a pair is computed

@@ -15,7 +15,6 @@ constexpr double kInputTimeout = 0.3;  // s that a mask waits for what belongs t
 constexpr double kKept = 2.0;          // s of images: as long as the other inputs are kept
 constexpr std::size_t kMaxKept = 40;   // images; raw ones are large
 constexpr double kPanelShape = 9.0 / 16.0;
-constexpr int kColour = 3;        // channels
 constexpr float kNearest = 0.1F;  // m; what is nearer to the camera's plane has no useful pixel
 
 }  // namespace

@@ -225,7 +225,7 @@ sensor_msgs::CompressedImage compressed(const std::string& format, const cv::Sca
 TEST(PictureOf, DecodesInColourAndInGrey) {
   for (const char* format : {"jpg", "png"}) {
     const sensor_msgs::CompressedImage message = compressed(format, {200.0, 100.0, 50.0});
-    const DecodedImage colour = decodedImageOf(message, 3);
+    const DecodedImage colour = decodedImageOf(message, kColour);
     ASSERT_EQ(colour.pixels.type(), CV_8UC3) << format;
     EXPECT_EQ(colour.pixels.size(), cv::Size(32, 24));
     EXPECT_EQ(colour.header.frame_id, "camera");
@@ -235,7 +235,7 @@ TEST(PictureOf, DecodesInColourAndInGrey) {
     EXPECT_NEAR(mean[1], 100.0, 3.0) << format;
     EXPECT_NEAR(mean[2], 50.0, 3.0) << format;
 
-    const DecodedImage grey = decodedImageOf(message, 1);
+    const DecodedImage grey = decodedImageOf(message, kGrey);
     ASSERT_EQ(grey.pixels.type(), CV_8UC1) << format;
     EXPECT_EQ(grey.pixels.size(), cv::Size(32, 24));
     // 0.114 * 200 + 0.587 * 100 + 0.299 * 50
@@ -246,7 +246,7 @@ TEST(PictureOf, DecodesInColourAndInGrey) {
 TEST(PictureOf, GreyFilesBecomeColourWhereColourIsWanted) {
   sensor_msgs::CompressedImage message;
   cv::imencode(".png", cv::Mat(24, 32, CV_8UC1, cv::Scalar(77)), message.data);
-  const DecodedImage picture = decodedImageOf(message, 3);
+  const DecodedImage picture = decodedImageOf(message, kColour);
   ASSERT_EQ(picture.pixels.type(), CV_8UC3);
   EXPECT_EQ(picture.pixels.at<cv::Vec3b>(5, 5), cv::Vec3b(77, 77, 77));
 }
@@ -255,7 +255,7 @@ TEST(PictureOf, RefusesBytesThatAreNoImage) {
   sensor_msgs::CompressedImage message = compressed("png", {1.0, 2.0, 3.0});
   message.format = "bgr8; png compressed bgr8";
   message.data.clear();
-  expectRefusal([&] { decodedImageOf(message, 3); }, {"bgr8; png compressed bgr8", "0 bytes"});
+  expectRefusal([&] { decodedImageOf(message, kColour); }, {"bgr8; png compressed bgr8", "0 bytes"});
   message.data.assign(100, 0x5A);
   for (const int channels : {1, 3}) {
     expectRefusal([&] { decodedImageOf(message, channels); }, {"100 bytes"});
@@ -265,7 +265,7 @@ TEST(PictureOf, RefusesBytesThatAreNoImage) {
   message.data.assign(medical.begin(), medical.end());
   for (const char* begin : {"", "\x89PNG", "\xff\xd8", "RIFF", "II*+"}) {
     std::copy_n(begin, std::strlen(begin), message.data.begin());
-    expectRefusal([&] { decodedImageOf(message, 3); }, {"134 bytes", "JPEG, PNG"});
+    expectRefusal([&] { decodedImageOf(message, kColour); }, {"134 bytes", "JPEG, PNG"});
   }
   for (const char* format : {"jpg", "png"}) {
     message = compressed(format, {1.0, 2.0, 3.0});
@@ -276,7 +276,7 @@ TEST(PictureOf, RefusesBytesThatAreNoImage) {
                       {std::to_string(message.data.size()) + " bytes"});
     }
     message.data.resize(12);
-    EXPECT_THROW(decodedImageOf(message, 3), std::invalid_argument)
+    EXPECT_THROW(decodedImageOf(message, kColour), std::invalid_argument)
         << format << " without more than its first bytes";
   }
 }
@@ -323,9 +323,9 @@ TEST(LazyImage, PicturesOnAGridAreThatOfTheWholeImage) {
 
 TEST(LazyImage, JpegsAreDecodedNoFinerThanAsked) {
   const sensor_msgs::CompressedImage message = slope("jpg", {1401, 801});
-  EXPECT_EQ(decodedImageOf(message, 1, 2).pixels.size(), cv::Size(701, 401));
-  EXPECT_EQ(decodedImageOf(message, 1, 4).pixels.size(), cv::Size(351, 201));
-  EXPECT_EQ(decodedImageOf(message, 1, 8).pixels.size(), cv::Size(176, 101));
+  EXPECT_EQ(decodedImageOf(message, kGrey, 2).pixels.size(), cv::Size(701, 401));
+  EXPECT_EQ(decodedImageOf(message, kGrey, 4).pixels.size(), cv::Size(351, 201));
+  EXPECT_EQ(decodedImageOf(message, kGrey, 8).pixels.size(), cv::Size(176, 101));
 }
 
 TEST(LazyImage, OtherGridsAndColourAreStillThere) {

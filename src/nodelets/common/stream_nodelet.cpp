@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nodelets/common/stream_nodelet.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -20,7 +22,8 @@ namespace {
 constexpr double kPeriod = 0.05;  // s, how often the audience and what waits are looked at
 constexpr std::uint32_t kTwistQueue = 20;
 constexpr std::uint32_t kCloudQueue = 20;
-constexpr double kImagePeriod = 3.0;  // s, how often silent images are looked for
+constexpr double kImagePeriod = 3.0;    // s, how often silent images are looked for
+constexpr double kMemoryPeriod = 60.0;  // s, how often unused memory goes back to the system
 
 /// Nodelets start side by side, but what plugins and parameters are read with is not made for that; and
 /// roscpp connects a publisher and a subscriber of one process twice where one is made while the other is.
@@ -41,6 +44,14 @@ bool isNews(const std::string& what, double period) {
   return true;
 }
 
+/// A larger grid for a while, or messages that come all at once, leave holes between what is kept, which the
+/// heap would never give back: the process would grow for hours. Takes some milliseconds.
+void giveBackMemory() {
+#ifdef __GLIBC__
+  if (isNews("memory", kMemoryPeriod)) malloc_trim(0);
+#endif
+}
+
 }  // namespace
 
 void StreamNodelet::onInit() {
@@ -56,8 +67,10 @@ void StreamNodelet::start() {
   }
   if (!diagnostics_) return;
   // Not by the updater's own timing, which stops when a bag starts again.
-  diagnostics_timer_ = ProcessTimer(getNodeHandle(), std::max(kPeriod, diagnostics_->getPeriod()),
-                                    [this] { diagnostics_->force_update(); });
+  diagnostics_timer_ = ProcessTimer(getNodeHandle(), std::max(kPeriod, diagnostics_->getPeriod()), [this] {
+    diagnostics_->force_update();
+    giveBackMemory();
+  });
   look();
 }
 

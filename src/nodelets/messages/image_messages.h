@@ -18,6 +18,9 @@
 /// beside them. Everything throws std::invalid_argument that names the field and what was expected.
 namespace radar_dot {
 
+/// Channels of a picture.
+constexpr int kGrey = 1, kColour = 3;
+
 /// A picture and the message its pixels belong to (none where they are its own).
 struct DecodedImage {
   std_msgs::Header header;
@@ -32,7 +35,7 @@ sensor_msgs::ImageConstPtr withEightBits(const sensor_msgs::ImageConstPtr& messa
 
 /// Without a copy where the encoding is bgr8 or mono8 already, or 8UC3 or 8UC1, which are the same.
 DecodedImage decodedImageOf(const sensor_msgs::ImageConstPtr& message);
-/// Decoded. @param channels   1: to grey, which is quicker; 3: colour
+/// Decoded. @param channels   kGrey, which is quicker, or kColour
 ///          @param reduction  1, 2, 4 or 8 times as small, rounded up; much quicker for JPEG
 DecodedImage decodedImageOf(const sensor_msgs::CompressedImage& message, int channels, int reduction = 1);
 

@@ -12,8 +12,6 @@
 namespace radar_dot {
 namespace {
 
-constexpr int kColour = 3;
-
 /// As the header of a JPEG says; empty: it is none, or an unusual one.
 cv::Size jpegSizeOf(const std::vector<std::uint8_t>& bytes) {
   const auto word = [&bytes](std::size_t at) { return bytes[at] << 8U | bytes[at + 1]; };
