@@ -217,8 +217,12 @@ RadarScene loadRadarScene(const Tables& tables, Index scene, const std::vector<s
   if (!missing.empty()) tables.left_out.add(name + " (radar files)", "not on disk: " + missing);
   PoseTrack truth = loadTruth(tables, scene);
   std::vector<double> times = keyframeTimes(tables, scene, truth);
-  return {std::move(radars), std::move(times), tables.samplesOf(scene), std::move(truth),
-          dataset::readVehicleInfo(tables.dataroot(), name, tables.left_out)};
+  return {std::move(radars),
+          std::move(times),
+          tables.samplesOf(scene),
+          std::move(truth),
+          dataset::readVehicleInfo(tables.dataroot(), name, tables.left_out),
+          config};
 }
 
 }  // namespace radar_dot::evaluation

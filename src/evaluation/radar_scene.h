@@ -55,6 +55,7 @@ struct RadarScene {
   std::vector<dataset::Index> keyframe_samples;  ///< rows, by keyframe
   PoseTrack truth;
   std::vector<dataset::CanVehicleInfo> wheels;
+  EgoVelocityConfig config;  ///< by which it was read
 };
 
 /// Reads the scans of `channels` (empty = every radar), the poses and the wheel speeds of a scene. Scans are

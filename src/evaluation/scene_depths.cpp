@@ -15,6 +15,7 @@
 #include "noisy_depth.h"
 #include "radar_dot/dataset/point_files.h"
 #include "segmentation_images.h"
+#include "sweep_velocities.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -114,7 +115,11 @@ bool SceneDepths::seesRadar(const std::string& channel) const {
   return std::find(chosen.begin(), chosen.end(), channel) != chosen.end();
 }
 
-std::vector<Eigen::Vector3f> SceneDepths::radarPoints(double time) const {
+/// All that networks were trained with; else static ones: what moves is at another place in the other image,
+/// and ghosts of it cover the road.
+std::vector<Eigen::Vector3f> SceneDepths::radarPoints(double time) {
+  const bool only_static = !depth_->needs().trained_radars_only;
+  if (only_static && labels_.empty()) labels_ = returnLabels(radar_);
   std::vector<Eigen::Vector3f> points;
   for (const LoadedRadar& radar : radar_.radars) {
     if (!seesRadar(radar.channel)) continue;
@@ -122,7 +127,13 @@ std::vector<Eigen::Vector3f> SceneDepths::radarPoints(double time) const {
     if (!nearest) continue;
     const LoadedScan& scan = radar.scans[*nearest];
     const Eigen::Isometry3d T_base_from_sensor = trueMotion(time, scan.time) * radar.T_base_from_sensor;
-    for (const DopplerReturn& seen : scan.returns) points.push_back(positionOf(seen, T_base_from_sensor));
+    for (std::size_t i = 0; i < scan.returns.size(); ++i) {
+      if (only_static) {
+        const std::vector<ReturnLabel>& labels = labels_[radar.number][*nearest];
+        if (i >= labels.size() || labels[i] != ReturnLabel::kStatic) continue;
+      }
+      points.push_back(positionOf(scan.returns[i], T_base_from_sensor));
+    }
   }
   return points;
 }

@@ -89,7 +89,7 @@ class SceneDepths {
   bool follows() const { return depth_ && depth_->needs().motion; }
   void followTo(dataset::Index row);
   bool seesRadar(const std::string& channel) const;
-  std::vector<Eigen::Vector3f> radarPoints(double time) const;
+  std::vector<Eigen::Vector3f> radarPoints(double time);
   const dataset::SampleData* lidarOf(dataset::Index row) const;
   std::vector<Eigen::Vector3f> lidarPoints(dataset::Index row, LidarPart part) const;
 
@@ -98,6 +98,7 @@ class SceneDepths {
   DepthSource source_;
   std::optional<FileSource> file_source_;  // none: the estimator
   std::unique_ptr<DepthEstimator> depth_;
+  std::vector<std::vector<std::vector<ReturnLabel>>> labels_;  // as returnLabels(); none where not needed
   std::map<dataset::Index, cv::Mat> pictures_, depths_, true_depths_;
   std::map<dataset::Index, cv::Mat> stds_;    // of depths_, by an estimator that follows images
   dataset::Index followed_ = dataset::kNone;  // the latest image it has seen

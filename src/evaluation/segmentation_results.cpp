@@ -70,6 +70,9 @@ std::vector<VariantResult> ablationSteps(const SegmentationEvaluationOptions& op
                                                : MotionParams{}.radar.dynamic_gain;
   segmentation.motion.radar.static_gain = given.motion.radar.static_gain;
   add("+ radar evidence", "radar_evidence");
+  segmentation.motion.cleanup.border =
+      given.motion.cleanup.border > 0 ? given.motion.cleanup.border : kBorder;
+  add("+ image borders", "image_borders");
   if (fileSourceOf(options.optical_flow.flow.backend))
     return steps;  // the truth and files have no backward flow
   segmentation.look_back = true;

@@ -19,12 +19,16 @@ enum class Variants {
   /// "both", in this order. The gain is that of the options, or its default where that is 0. Masks are saved
   /// only by the one that the options are themselves.
   kLoop,
-  /// "paper", "+ uncertainty", "+ refinement", "+ radar evidence", "+ look back", "+ memory", in this order:
+  /// "paper", "+ uncertainty", "+ refinement", "+ radar evidence", "+ image borders", "+ look back", "+
+  /// memory", in this order:
   /// the paper's score without radar in the mask; the score by uncertainty, with forward and backward flow as
   /// its noise; the motion refined by the image; radar returns that move the threshold, with the gains of the
-  /// options, or their defaults where those are 0; the previous pair; the previous mask. The last
-  /// two are left out for flow that is no backend's. Everything else is as in the options. Masks are saved
-  /// in folders "paper", "uncertainty", "refinement", "radar_evidence", "look_back" and "memory".
+  /// options, or their defaults where those are 0; borders moved to edges of the image; the previous pair;
+  /// the
+  /// previous mask. The last two are left out for flow that is no backend's. Everything else is as in the
+  /// options. Masks are saved
+  /// in folders "paper", "uncertainty", "refinement", "radar_evidence", "image_borders", "look_back" and
+  /// "memory".
   kAblation
 };
 
@@ -42,6 +46,7 @@ struct Comparison {
 
 /// s, of the step "+ memory", where the options have none.
 inline constexpr double kMemory = 0.4;
+inline constexpr int kBorder = 40;  // px
 
 /// The runs to be made.
 Comparison comparisonOf(Variants variants, const SegmentationEvaluationOptions& options);

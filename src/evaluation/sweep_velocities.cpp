@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "radar_dot/radar/sweep_assembler.h"
@@ -55,6 +56,25 @@ std::vector<SceneSweep> assembleSweeps(const RadarScene& scene, const SweepParam
     }
   }
   return sweeps;
+}
+
+std::vector<std::vector<std::vector<ReturnLabel>>> returnLabels(const RadarScene& scene) {
+  std::vector<std::vector<std::vector<ReturnLabel>>> labels;
+  for (const LoadedRadar& radar : scene.radars) labels.emplace_back(radar.scans.size());
+  std::vector<SceneSweep> sweeps = assembleSweeps(scene, scene.config.sweep);
+  SweepEstimator estimator(scene.config);
+  for (SceneSweep& sweep : sweeps) {
+    const EgoVelocityResult result = estimator.estimate(sweep.scans, sweep.time).single;
+    if (!result.valid()) continue;
+    for (std::size_t i = 0; i < sweep.scans.size(); ++i) {
+      const RadarScan& scan = sweep.scans[i];
+      const std::optional<std::size_t> index = nearestScan(scene.radars[scan.radar], scan.time, 0.0);
+      const auto begin = result.labels.begin();
+      labels[scan.radar][index.value()].assign(begin + static_cast<std::ptrdiff_t>(result.offsets[i]),
+                                               begin + static_cast<std::ptrdiff_t>(result.offsets[i + 1]));
+    }
+  }
+  return labels;
 }
 
 SweepRunner::SweepRunner(const dataset::Tables& tables, dataset::Index index, const RadarScene& scene,

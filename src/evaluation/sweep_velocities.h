@@ -38,6 +38,10 @@ struct SceneSweep {
 /// All sweeps of a scene, which must outlive them, as on a vehicle where each scan arrives at its stamp.
 std::vector<SceneSweep> assembleSweeps(const RadarScene& scene, const SweepParams& params);
 
+/// What the returns of every scan are, by radar and scan, as a vehicle tells it while it drives; of scans
+/// without an estimate nothing.
+std::vector<std::vector<std::vector<ReturnLabel>>> returnLabels(const RadarScene& scene);
+
 /// Estimates of every sweep of a scene in time order.
 struct SweepVelocities {
   std::vector<EstimatedVelocity> velocities;

@@ -31,10 +31,10 @@ struct Options {
     fields.add(
         "ablation", ablation,
         "From the paper's masks to the best, step by step: score by uncertainty, refined motion, radar "
-        "evidence, previous pair, memory; one table, and in --json");
+        "evidence, image borders, previous pair, memory; one table, and in --json");
     fields.add("best", best,
                "All that --ablation adds: --score uncertainty --forward-backward --refine --refine-ground "
-               "--look-back --memory 0.4");
+               "--border 40 --look-back --memory 0.4");
     fields.add(
         "compare_loop", compare_loop,
         "Run with neither of --mask-to-velocity and --radar-gain (its default where it is 0), with each and "

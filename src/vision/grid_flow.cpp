@@ -12,7 +12,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "parallel_rows.h"
 #include "radar_dot/vision/camera_intrinsics.h"
 #include "radar_dot/vision/network_images.h"
 #include "warp.h"
@@ -96,32 +95,6 @@ cv::Mat reversed(const cv::Mat& flow) {
   return back;
 }
 
-/// 1 sigma of the flow, px, by the texture around each pixel: without any the flow is that of the
-/// surroundings, so that sky takes part in the motion of what drives before it.
-cv::Mat textureStdOf(const cv::Mat& image) {
-  constexpr double kChange = 2.0;        // grey values from px to px, rms, that leave 1 px
-  constexpr double kLeastChange = 0.01;  // of an image without any
-  constexpr int kWindows = 26;           // in the width of the image
-  cv::Mat grey = image, smooth, sideways, downwards, change;
-  if (image.channels() > 1) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  cv::GaussianBlur(grey, smooth, {}, 0.8);
-  cv::Scharr(smooth, sideways, CV_32F, 1, 0, 1.0 / 32.0);
-  cv::Scharr(smooth, downwards, CV_32F, 0, 1, 1.0 / 32.0);
-  cv::multiply(sideways, sideways, sideways);
-  cv::accumulateSquare(downwards, sideways);
-  const int window = image.cols / kWindows | 1;
-  cv::boxFilter(sideways, change, -1, {window, window});
-  cv::Mat stds(change.size(), CV_32FC1);
-  parallelRows(stds.rows, [&](int row) {
-    const float* from = change.ptr<float>(row);
-    float* to = stds.ptr<float>(row);
-    constexpr auto kLeast = static_cast<float>(kLeastChange * kLeastChange);
-    for (int column = 0; column < stds.cols; ++column)
-      to[column] = static_cast<float>(kChange) / std::sqrt(std::max(from[column], kLeast));
-  });
-  return stds;
-}
-
 }  // namespace
 
 GridFlow::GridFlow(OpticalFlowParams params, Images images) : params_(std::move(params)), images_(images) {}
@@ -183,9 +156,10 @@ FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const c
   if (params_.forward_backward) {
     closeForwardBackward(field, field.backward, params_.forward_backward_absolute,
                          params_.forward_backward_relative);
-    field.texture_std = textureStdOf(first_on_grid);
-    if (grid != wanted) cv::resize(field.texture_std, field.texture_std, wanted);
   }
+  field.grey = first_on_grid;
+  if (field.grey.channels() > 1) cv::cvtColor(field.grey, field.grey, cv::COLOR_BGR2GRAY);
+  field.grey = resizedImage(field.grey, wanted);
   if (params_.initialisation == FlowStart::kTemporal) previous_ = there.clone();
   return field;
 }

@@ -138,10 +138,11 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
   // The forward-backward error is noise to the score by uncertainty, and no reason to leave a pixel out.
   if (params_.byUncertainty() && !pair.flow.fb_error.empty()) {
     input.fb_error = pair.flow.fb_error;
-    input.texture_std = pair.flow.texture_std;
+    if (!pair.flow.grey.empty()) input.texture_std = textureStd(pair.flow.grey);
   } else {
     input.flow_valid = pair.flow.valid;
   }
+  input.grey = pair.flow.grey;
   input.depth = pair.depth;
   if (!ignored_on_grid_.empty()) {
     input.depth = pair.depth.clone();
@@ -245,7 +246,7 @@ void MaskPipeline::remember(const MaskPair& pair, const MaskOutcome& outcome) {
   previous_ = Previous{pair.first_time, pair.second_time, outcome.input, logOdds(outcome.result)};
   MotionInput& input = previous_->input;
   static_cast<MotionEvidence&>(input) = {};
-  input.flow = input.flow_valid = input.fb_error = input.texture_std = input.depth_std = cv::Mat();
+  input.flow = input.grey = input.flow_valid = input.fb_error = input.texture_std = input.depth_std = cv::Mat();
   input.depth = input.depth.clone();
   input.next_depth = input.next_depth.clone();
   const auto is_used = [&pair](const Backward& backward) { return backward.from <= pair.first_time; };

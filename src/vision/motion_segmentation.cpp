@@ -14,6 +14,7 @@
 
 #include "exact_selection.h"
 #include "ground_ray.h"
+#include "mask_borders.h"
 #include "motion_images.h"
 #include "motion_pass.h"
 #include "parallel_rows.h"
@@ -290,6 +291,8 @@ void MotionSegmenter::Workspace::makeMask(const MotionInput& input, const PassCo
   if (by_uncertainty && params.uncertainty.hysteresis_ratio > 1.0)
     keepSeeded(input, pass, params.uncertainty);
   morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.cleanup.closing, input.pixel_scale));
+  if (params.cleanup.border > 0 && !input.grey.empty())
+    moveBordersToEdges(result.mask, input.grey, params.cleanup.border / input.pixel_scale);
   // Closing reaches over excluded pixels, of which nothing is known.
   cv::bitwise_and(result.mask, result.valid, result.mask);
 }
@@ -304,6 +307,7 @@ void requireImages(const MotionInput& input) {
   requireImage(input.flow, CV_32FC2, camera, "flow", "CV_32FC2");
   requireImage(input.depth, CV_32FC1, camera, "depth", "CV_32FC1");
   if (!input.flow_valid.empty()) requireImage(input.flow_valid, CV_8UC1, camera, "flow_valid", "CV_8UC1");
+  if (!input.grey.empty()) requireImage(input.grey, CV_8UC1, camera, "grey", "CV_8UC1");
   for (const auto& [image, name] :
        {std::pair(&input.next_depth, "next_depth"), std::pair(&input.fb_error, "fb_error"),
         std::pair(&input.texture_std, "texture_std"), std::pair(&input.depth_std, "depth_std"),

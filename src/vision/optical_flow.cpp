@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -99,6 +100,29 @@ FlowField backwardField(const FlowField& field, const OpticalFlowParams& params)
   back.flow = field.backward;
   closeForwardBackward(back, field.flow, params.forward_backward_absolute, params.forward_backward_relative);
   return back;
+}
+
+cv::Mat textureStd(const cv::Mat& grey) {
+  constexpr double kChange = 2.0;        // grey values from px to px, rms, that leave 1 px
+  constexpr double kLeastChange = 0.01;  // of an image without any
+  constexpr int kWindows = 26;           // in the width of the image
+  cv::Mat smooth, sideways, downwards, change;
+  cv::GaussianBlur(grey, smooth, {}, 0.8);
+  cv::Scharr(smooth, sideways, CV_32F, 1, 0, 1.0 / 32.0);
+  cv::Scharr(smooth, downwards, CV_32F, 0, 1, 1.0 / 32.0);
+  cv::multiply(sideways, sideways, sideways);
+  cv::accumulateSquare(downwards, sideways);
+  const int window = grey.cols / kWindows | 1;
+  cv::boxFilter(sideways, change, -1, {window, window});
+  cv::Mat stds(change.size(), CV_32FC1);
+  parallelRows(stds.rows, [&](int row) {
+    const float* from = change.ptr<float>(row);
+    float* to = stds.ptr<float>(row);
+    constexpr auto kLeast = static_cast<float>(kLeastChange * kLeastChange);
+    for (int column = 0; column < stds.cols; ++column)
+      to[column] = static_cast<float>(kChange) / std::sqrt(std::max(from[column], kLeast));
+  });
+  return stds;
 }
 
 cv::Mat resizeFlow(const cv::Mat& flow, const cv::Size& size) {

@@ -159,15 +159,16 @@ TEST(Ablation, EveryStepAddsOneThing) {
   options.segmentation.motion.radar.static_gain = 0.5;
   options.segmentation.refine = options.segmentation.look_back = true;
   const std::vector<VariantResult> steps = stepsOf(options);
-  ASSERT_EQ(steps.size(), 6U);
+  ASSERT_EQ(steps.size(), 7U);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const SegmentationEvaluationOptions& step = steps[i].options;
     EXPECT_EQ(step.pairs.camera, "CAM_BACK");
     EXPECT_EQ(step.segmentation.motion.score == MotionScore::kUncertainty, i >= 1) << steps[i].name;
     EXPECT_EQ(step.optical_flow.flow.forward_backward, i >= 1) << steps[i].name;
     EXPECT_EQ(step.segmentation.refine, i >= 2) << steps[i].name;
-    EXPECT_EQ(step.segmentation.look_back, i >= 4) << steps[i].name;
-    EXPECT_EQ(step.segmentation.memory, i >= 5 ? kMemory : 0.0) << steps[i].name;
+    EXPECT_EQ(step.segmentation.motion.cleanup.border, i >= 4 ? kBorder : 0) << steps[i].name;
+    EXPECT_EQ(step.segmentation.look_back, i >= 5) << steps[i].name;
+    EXPECT_EQ(step.segmentation.memory, i >= 6 ? kMemory : 0.0) << steps[i].name;
     EXPECT_EQ(step.segmentation.motion.radar.dynamic_gain, i >= 3 ? 3.0 : 0.0) << steps[i].name;
     EXPECT_EQ(step.segmentation.motion.radar.static_gain, i >= 3 ? 0.5 : 0.0) << steps[i].name;
   }
@@ -178,7 +179,7 @@ TEST(Ablation, EveryStepAddsOneThing) {
   options.segmentation.memory = 0.2;
   EXPECT_EQ(stepsOf(options).back().options.segmentation.memory, 0.2);
   options.optical_flow.flow.backend = "ground_truth";  // has no flow back
-  ASSERT_EQ(stepsOf(options).size(), 4U);
+  ASSERT_EQ(stepsOf(options).size(), 5U);
   options.segmentation.motion.radar.dynamic_gain = 0.0;
   EXPECT_EQ(stepsOf(options).back().options.segmentation.motion.radar.dynamic_gain,
             MotionParams{}.radar.dynamic_gain);

@@ -331,7 +331,9 @@ MaskPair pairOf() {
   pair.flow.flow = expectedFlow(
       pair.camera, staticPointMotion(pair.T_base_from_camera, pair.T_first_from_second), pair.depth);
   pair.flow.fb_error = cv::Mat::zeros(90, 160, CV_32FC1);
-  pair.flow.texture_std = cv::Mat::zeros(90, 160, CV_32FC1);
+  pair.flow.grey = cv::Mat(90, 160, CV_8UC1);
+  cv::theRNG().state = 1;
+  cv::randu(pair.flow.grey, 0, 255);  // texture everywhere
   return pair;
 }
 
@@ -367,7 +369,6 @@ TEST(ExtremeValues, OfPixelsStayWhereTheyAre) {
       {"flow x", [&](MaskPair& pair, double value) { pair.flow.flow(patch).setTo(cv::Scalar(value, 0.0)); }},
       {"flow y", [&](MaskPair& pair, double value) { pair.flow.flow(patch).setTo(cv::Scalar(0.0, value)); }},
       {"fb_error", [&](MaskPair& pair, double value) { pair.flow.fb_error(patch).setTo(value); }},
-      {"texture_std", [&](MaskPair& pair, double value) { pair.flow.texture_std(patch).setTo(value); }},
       {"depth", [&](MaskPair& pair, double value) { pair.depth(patch).setTo(value); }},
       {"depth of the second image",
        [&](MaskPair& pair, double value) { pair.next_depth(patch).setTo(value); }},

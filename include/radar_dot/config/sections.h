@@ -185,7 +185,7 @@ inline constexpr const char* kTopicBackend = "topic";
 /// Nodelet Depth, section depth.
 struct DepthConfig {
   StreamParams stream;
-  std::vector<std::string> radar_topics = {"radar/static", "radar/dynamic"};
+  std::vector<std::string> radar_topics = {"radar/static"};
   std::vector<std::string> network_radar_topics = {"radar_front"};
   int working_width = 800;
   DepthParams depth;

@@ -45,7 +45,8 @@ struct SweepLosses {
 ///
 /// A sweep is complete when every live radar has delivered a scan since the last sweep, or when a
 /// radar delivers a second one while others are missing. A radar is live until it has been silent
-/// for `silent_after`, at the beginning as well as later. Every sweep is newer than the one before.
+/// for `silent_after`, at the beginning as well as later, or for one and a half intervals of the quickest
+/// radar, if that is longer, as where all are slow. Every sweep is newer than the one before.
 ///
 /// Scans that arrive in the order of their stamps are used at once. Where radars have overtaken each other, a
 /// scan is held back while another live radar may still deliver an earlier one: when its shortest interval
@@ -135,6 +136,7 @@ class SweepAssembler {
  private:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
   static constexpr double kForgetting = 0.1;  // s/s, of the least delay of a radar
+  static constexpr double kUsual = 1.5;       // intervals between two scans of a radar
   // s, for which delays and intervals are remembered, and up to twice that: a hiccup holds up nothing for
   // ever.
   static constexpr double kMemory = 30.0;
@@ -160,7 +162,10 @@ class SweepAssembler {
   }
 
   bool isLive(const std::optional<double>& last, double now) const {
-    return now - last.value_or(*start_) <= params_.silent_after;
+    double interval = kNever;
+    for (const Radar& radar : radars_) interval = std::min(interval, radar.shortestInterval());
+    const double usual = std::isfinite(interval) ? kUsual * interval : 0.0;
+    return now - last.value_or(*start_) <= std::max(params_.silent_after, usual);
   }
 
   /// Will no radar deliver a scan before `time` any more?

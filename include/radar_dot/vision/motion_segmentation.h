@@ -99,11 +99,16 @@ struct UncertaintyScoreParams {
 struct MaskCleanupParams {
   int opening = 5;
   int closing = 9;
+  int border = 0;
 
   void describe(FieldList& fields) {
     fields.add("opening", opening, "Width of the opening that removes isolated detections; 0: off", "px",
                {0, 999});
     fields.add("closing", closing, "Width of the closing that fills gaps; 0: off", "px", {0, 999});
+    fields.add("border", border,
+               "Reach, on both sides of the border of a region, within which the edges of the image decide "
+               "what belongs to it, as flow blurs borders; 0: off",
+               "px", {0, 999});
   }
 };
 
@@ -169,6 +174,7 @@ struct ImagePairInput {
   Eigen::Isometry3d T_current_from_previous = Eigen::Isometry3d::Identity();  ///< staticPointMotion, m
   cv::Mat flow;        ///< CV_32FC2, px of the grid, from t-1 to t; NaN = unknown
   cv::Mat flow_valid;  ///< CV_8UC1, 0 = unreliable; empty: all are reliable
+  cv::Mat grey;        ///< CV_8UC1, the image at t-1; empty: borders stay where the flow has them
   cv::Mat depth;       ///< CV_32FC1, m, at t-1 (the paper's D_{t-1}); NaN, 0 or less = unknown
   cv::Mat next_depth;  ///< CV_32FC1, m, at t (the paper's D_t); empty: no depth residual anywhere
   /// Where depth is drawn by little knowledge: what is static may as well lie anywhere before this plane.

@@ -22,9 +22,9 @@ struct FlowField {
   /// CV_32FC1, px OF THIS GRID: forward-backward error of the flow, NaN where it leaves the image. Empty
   /// without forward_backward.
   cv::Mat fb_error = {};
-  /// CV_32FC1, px OF THIS GRID: 1 sigma that the flow has besides, as the first image shows little texture
-  /// there, so that it is the flow of the surroundings. Empty without forward_backward.
-  cv::Mat texture_std = {};
+  /// CV_8UC1 of the same size: the first image, for those who want to know what the flow was seen on. May be
+  /// the image itself. Empty where the flow comes from no images.
+  cv::Mat grey = {};
   /// CV_32FC2, px OF THIS GRID: from the second image to the first. Empty without forward_backward.
   cv::Mat backward = {};
   double backward_seconds = 0.0;  ///< that the way back and its comparison took
@@ -133,6 +133,11 @@ FlowField backwardField(const FlowField& field, const OpticalFlowParams& params)
 /// paper's "unreliable correspondences" are the others), and `fb_error`, |f(p) + b(p + f(p))|, CV_32FC1, px.
 /// A pixel whose flow leaves the image, or is not finite, is not valid, its error NaN.
 void closeForwardBackward(FlowField& forward, const cv::Mat& backward, double absolute, double relative);
+
+/// 1 sigma of the flow of each pixel, by the texture around it: without any, flow is that of the
+/// surroundings, so that sky takes part in the motion of what drives before it.
+/// @param grey  CV_8UC1, the first image on the grid of the flow   @return CV_32FC1, px of the grid
+cv::Mat textureStd(const cv::Mat& grey);
 
 /// Flow on another grid, bilinear, with its vectors scaled to px of that grid.
 cv::Mat resizeFlow(const cv::Mat& flow, const cv::Size& size);

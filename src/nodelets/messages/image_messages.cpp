@@ -248,7 +248,7 @@ FlowField flowOf(const Flow& message) {
   }
   field.valid = companionOf(field.flow, message.valid, encodings::MONO8, "valid");
   field.fb_error = companionOf(field.flow, message.fb_error, encodings::TYPE_32FC1, "fb_error");
-  field.texture_std = companionOf(field.flow, message.texture_std, encodings::TYPE_32FC1, "texture_std");
+  field.grey = companionOf(field.flow, message.grey, encodings::MONO8, "grey");
   return field;
 }
 
@@ -269,8 +269,7 @@ FlowPtr flowMessage(const std_msgs::Header& header, const ros::Time& second_stam
   fill(message->flow, header, encodings::TYPE_32FC2, field.flow);
   if (!field.valid.empty()) fill(message->valid, header, encodings::MONO8, field.valid);
   if (!field.fb_error.empty()) fill(message->fb_error, header, encodings::TYPE_32FC1, field.fb_error);
-  if (!field.texture_std.empty())
-    fill(message->texture_std, header, encodings::TYPE_32FC1, field.texture_std);
+  if (!field.grey.empty()) fill(message->grey, header, encodings::MONO8, field.grey);
   return message;
 }
 
