@@ -28,6 +28,38 @@ bool tellsHeights(const std::vector<CloudPoint>& points) {
   });
 }
 
+/// Removes the returns that stand alone where others do not: a radar that gives dozens of a car gives one of
+/// many ghosts.
+void removeLonely(std::vector<CloudPoint>& points) {
+  constexpr float kReach = 1.0F;      // m
+  constexpr float kFarReach = 0.02F;  // rad, in addition
+  constexpr float kAlike = 1.0F;      // m/s, of residuals
+  constexpr std::size_t kDense = 8;   // neighbours of the densest, for each that all others need
+  constexpr std::size_t kEnough = 3;
+  const auto is_nowhere = [](const CloudPoint& point) { return !point.position.allFinite(); };
+  points.erase(std::remove_if(points.begin(), points.end(), is_nowhere), points.end());
+  std::sort(points.begin(), points.end(),
+            [](const CloudPoint& a, const CloudPoint& b) { return a.position.x() < b.position.x(); });
+  std::vector<std::size_t> counts(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const CloudPoint& here = points[i];
+    const float reach = kReach + kFarReach * here.position.norm();
+    for (std::size_t j = i + 1; j < points.size() && points[j].position.x() - here.position.x() < reach;
+         ++j) {
+      const bool is_near = (points[j].position - here.position).head<2>().squaredNorm() < reach * reach;
+      if (!is_near || std::fabs(points[j].residual - here.residual) > kAlike) continue;
+      ++counts[i];
+      ++counts[j];
+    }
+  }
+  const std::size_t needed =
+      points.empty() ? 0 : std::min(kEnough, *std::max_element(counts.begin(), counts.end()) / kDense);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (counts[i] >= needed) points[kept++] = points[i];
+  points.resize(kept);
+}
+
 bool isUpright(const Eigen::Vector3f& position, const GroundParams& ground) {
   const float height = position.z() - static_cast<float>(ground.height) -
                        std::tan(static_cast<float>(ground.pitch)) * position.x();
@@ -41,6 +73,7 @@ void RecentScans::add(const Sensor& sensor, double time, std::vector<CloudPoint>
   if (scans_.size() > kMaxSensors) scans_.clear();
   std::deque<Scan>& scans = scans_[sensor];
   const bool tells_heights = tellsHeights(points);
+  if (tells_heights) removeLonely(points);
   scans.push_back({time, std::move(points), tells_heights});
   while (scans.size() > kMaxScans || time - scans.front().time > kKept) scans.pop_front();
 }

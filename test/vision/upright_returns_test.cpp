@@ -57,6 +57,38 @@ TEST(UprightReturns, ScanOfOneReturnIsOfTheSameSensor) {
   EXPECT_TRUE(seen({{at(5.0F, -0.5F), at(8.0F, 0.3F)}, {at(5.0F, -0.5F)}}, &ground).empty());
 }
 
+/// Forty returns of a car 20 m ahead that recedes by 5 m/s, 0.5 to 1.5 m above ground.
+std::vector<CloudPoint> car() {
+  std::vector<CloudPoint> points;
+  for (int i = 0; i < 40; ++i)
+    points.push_back({{20.0F, 0.04F * static_cast<float>(i), -0.2F + 0.025F * static_cast<float>(i)}, 5.0F});
+  return points;
+}
+
+TEST(UprightReturns, GhostsOfImagingRadarsStandAlone) {
+  std::vector<CloudPoint> scan = car();
+  scan.push_back({{10.0F, 3.0F, 0.3F}, 5.0F});   // nothing beside it
+  scan.push_back({{20.5F, 0.5F, 0.3F}, -6.0F});  // beside the car, and moves another way
+  scan.push_back({{std::nanf(""), 0.0F, 0.0F}, 5.0F});
+  const std::vector<CloudPoint> kept = seen({scan}, nullptr);
+  EXPECT_EQ(kept.size(), 40U);
+  for (const CloudPoint& point : kept) EXPECT_FLOAT_EQ(point.residual, 5.0F);
+}
+
+TEST(UprightReturns, FewReturnsAreNoGhostsWhereAllAreFew) {
+  std::vector<CloudPoint> scan = car();
+  scan.resize(7);
+  scan.push_back({{10.0F, 3.0F, 0.3F}, 1.0F});  // a pedestrian
+  EXPECT_EQ(seen({scan}, nullptr).size(), 8U);
+}
+
+TEST(UprightReturns, PlanarRadarsHaveNoGhostsOfThisKind) {
+  std::vector<CloudPoint> scan = car();
+  scan.push_back({{10.0F, 3.0F, 0.3F}, 5.0F});
+  for (CloudPoint& point : scan) point.position.z() = 0.0F;
+  EXPECT_EQ(seen({scan}, nullptr).size(), 41U);
+}
+
 TEST(ReturnReach, IsSharedWhereReturnsAreDense) {
   std::vector<Eigen::Vector2f> places = {{50.0F, 0.0F}, {std::nanf(""), 0.0F}};
   for (int i = 0; i < 12; ++i) places.emplace_back(10.0F, 0.01F * static_cast<float>(i));
