@@ -409,7 +409,8 @@ TEST_F(Evaluators, SegmentationSavesTheMasksOfEveryStep) {
                                            "--ablation --save-masks " +
                                            masks.string());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
-  for (const char* step : {"paper", "uncertainty", "refinement", "radar_evidence", "image_borders", "look_back", "memory"})
+  for (const char* step :
+       {"paper", "uncertainty", "refinement", "radar_evidence", "image_borders", "look_back", "memory"})
     EXPECT_FALSE(fs::is_empty(masks / step)) << step;
 }
 
