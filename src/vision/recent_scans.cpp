@@ -52,12 +52,17 @@ void removeLonely(std::vector<CloudPoint>& points) {
       ++counts[j];
     }
   }
-  const std::size_t needed =
-      points.empty() ? 0 : std::min(kEnough, *std::max_element(counts.begin(), counts.end()) / kDense);
+  if (points.empty()) return;
+  const std::size_t needed = std::min(kEnough, *std::max_element(counts.begin(), counts.end()) / kDense);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (counts[i] >= needed) points[kept++] = points[i];
   points.resize(kept);
+}
+
+/// Or points of a lidar, which has neither Doppler nor ghosts.
+bool areReturns(const std::vector<CloudPoint>& points) {
+  return !points.empty() && !std::isnan(points.front().residual);
 }
 
 bool isUpright(const Eigen::Vector3f& position, const GroundParams& ground) {
@@ -73,7 +78,7 @@ void RecentScans::add(const Sensor& sensor, double time, std::vector<CloudPoint>
   if (scans_.size() > kMaxSensors) scans_.clear();
   std::deque<Scan>& scans = scans_[sensor];
   const bool tells_heights = tellsHeights(points);
-  if (tells_heights) removeLonely(points);
+  if (tells_heights && areReturns(points)) removeLonely(points);
   scans.push_back({time, std::move(points), tells_heights});
   while (scans.size() > kMaxScans || time - scans.front().time > kKept) scans.pop_front();
 }

@@ -89,6 +89,15 @@ TEST(UprightReturns, PlanarRadarsHaveNoGhostsOfThisKind) {
   EXPECT_EQ(seen({scan}, nullptr).size(), 41U);
 }
 
+TEST(UprightReturns, LidarsHaveNone) {
+  std::vector<CloudPoint> scan = car();
+  scan.push_back({{10.0F, 3.0F, 0.3F}, 5.0F});
+  for (CloudPoint& point : scan) point.residual = std::nanf("");
+  const std::vector<CloudPoint> kept = seen({scan}, nullptr);
+  ASSERT_EQ(kept.size(), 41U);
+  EXPECT_FLOAT_EQ(kept.back().position.x(), 10.0F) << "the order has changed";
+}
+
 TEST(ReturnReach, IsSharedWhereReturnsAreDense) {
   std::vector<Eigen::Vector2f> places = {{50.0F, 0.0F}, {std::nanf(""), 0.0F}};
   for (int i = 0; i < 12; ++i) places.emplace_back(10.0F, 0.01F * static_cast<float>(i));

@@ -36,7 +36,7 @@ class RecentScans {
   /// T_begin_from_end: pose of the base at `end` (s), in its frame at `begin`
   using Motion = std::function<std::optional<Eigen::Isometry3d>(double begin, double end)>;
 
-  /// Of sensors that tell heights and give many returns of one thing, those that stand alone are ghosts, and
+  /// Of radars that tell heights and give many returns of one thing, those that stand alone are ghosts, and
   /// are left out.
   /// @param time  s   @param points  sensor frame
   void add(const Sensor& sensor, double time, std::vector<CloudPoint> points);
