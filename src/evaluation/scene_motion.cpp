@@ -75,8 +75,10 @@ std::vector<CloudPoint> SceneMotion::pointsAt(ReturnLabel label, double time) co
     return std::nullopt;
   };
   const auto motion = [this](double begin, double end) { return between(begin, end, kScanTwistHold); };
-  return (label == ReturnLabel::kStatic ? static_ : dynamic_)
-      .at(time, options_.segmentation.radar_max_age, mount, motion);
+  const double max_age = options_.segmentation.radar_max_age;
+  return label == ReturnLabel::kStatic
+             ? static_.at(time, max_age, mount, motion)
+             : dynamic_.at(time, max_age, mount, motion, &options_.segmentation.ground);
 }
 
 }  // namespace radar_dot::evaluation

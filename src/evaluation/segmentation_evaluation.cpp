@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
@@ -67,7 +69,8 @@ class SceneRunner {
     if (options.min_true_residual > 0.0) creeping_.emplace(tables, scene);
   }
 
-  void evaluate(const ImagePair& pair, const cv::Mat& truth, SegmentationReport& report);
+  void evaluate(const ImagePair& pair, const cv::Mat& truth, const cv::Mat& people,
+                SegmentationReport& report);
 
  private:
   std::optional<Eigen::Isometry3d> motionOf(const ImagePair& pair, MaskPair& input, Mean& velocity_error);
@@ -161,6 +164,14 @@ void count(const cv::Mat& mask, const cv::Mat& truth, const cv::Mat& ignored, co
   }
 }
 
+std::vector<const dataset::InstanceMask*> peopleIn(
+    const std::vector<const dataset::InstanceMask*>& instances) {
+  std::vector<const dataset::InstanceMask*> people;
+  std::copy_if(instances.begin(), instances.end(), std::back_inserter(people),
+               [](const auto* instance) { return instance->category_name.rfind("human.", 0) == 0; });
+  return people;
+}
+
 /// None where the velocity is not known.
 std::optional<MaskPair> SceneRunner::prepare(const ImagePair& pair, Mean& velocity_error,
                                              FlowField& backward) {
@@ -197,7 +208,8 @@ std::optional<MaskOutcome> SceneRunner::process(const ImagePair& pair, Segmentat
   return outcome;
 }
 
-void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, SegmentationReport& report) {
+void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, const cv::Mat& people,
+                           SegmentationReport& report) {
   // What a vehicle has seen since the pair before, or from the begin on.
   std::vector<ImagePair> unseen;
   for (std::optional<ImagePair> before = pair; segmentation().usesBackwardFlow();) {
@@ -223,6 +235,12 @@ void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, Segmenta
   }
   mask = resizeNearest(mask, truth.size());
   count(mask, truth, ignored, creeping, report.pixels);
+  if (!people.empty()) {
+    Confusion of_people;
+    count(mask, people, ignored, {}, of_people);
+    report.people_found += of_people.true_positives;
+    report.people_pixels += of_people.true_positives + of_people.false_negatives;
+  }
   if (!options_.mask_directory.empty()) {
     const fs::path file = fs::path(options_.mask_directory) / images_.pngName(pair.first);
     std::vector<std::uint8_t> png;
@@ -294,10 +312,13 @@ SegmentationReport evaluateSegmentation(const Tables& tables, Index scene,
     const dataset::SampleData& first = tables.sample_data[at(pair.first)];
     const auto found = by_image.find(first.token);
     // An image without instances is one in which nothing moves.
-    cv::Mat truth = found == by_image.end() ? cv::Mat::zeros(first.height, first.width, CV_8UC1)
-                                            : dynamicMask(tables, found->second);
-    truth = resizeNearest(truth, cv::Size(first.width, first.height));
-    runner.evaluate(pair, truth, report);
+    const cv::Size size(first.width, first.height);
+    cv::Mat truth = cv::Mat::zeros(size, CV_8UC1), people;
+    if (found != by_image.end()) {
+      truth = resizeNearest(dynamicMask(tables, found->second), size);
+      people = resizeNearest(dynamicMask(tables, peopleIn(found->second)), size);
+    }
+    runner.evaluate(pair, truth, people, report);
     if (progress) progress(++done, pairs.size());
   }
   return report;

@@ -21,6 +21,9 @@ void SegmentationReport::describe(Figures& figures) {
   figures.sum("without_motion", without_motion);
   figures.group(pixels);
   figures.figure("false_positive_share", falsePositiveShare());
+  figures.sum("people_found", people_found);
+  figures.sum("people_pixels", people_pixels);
+  figures.figure("people_recall", ratio(people_found, people_pixels));
   figures.figure("velocity_error", velocity_error.value());
   figures.sum("velocity_error_count", velocity_error.count);
   figures.sum("seconds", seconds);
@@ -35,6 +38,7 @@ std::string formatTable(const std::vector<SegmentationReport>& scenes, const Seg
                   {"Precision", 11, "precision", 4},
                   {"Recall", 11, "recall", 4},
                   {"F1", 11, "f1", 4},
+                  {"People", 11, "people_recall", 4},
                   {"FP share", 11, "false_positive_share", 4},
                   {"v err m/s", 11, "velocity_error", 4},
                   {"mask ms", 9, "mask_ms", 1}});

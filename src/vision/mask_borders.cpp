@@ -17,6 +17,8 @@ constexpr float kCore = 0.4F;        // of the largest distance of a region from
 constexpr float kUnknown = 0.003F;   // weight of what is in the band
 constexpr double kSpread = 7.0;      // of the smoother, over the square of the reach
 constexpr double kEdge = 4.0;        // grey values from px to px that hold it up, to 1/e
+constexpr float kTextured = 3.0F;    // grey values from px to px, rms, that make a marked pixel certain
+constexpr int kWindow = 5;           // px, of that
 constexpr double kSurroundings = 3;  // reaches around a region that are looked at
 
 /// Boxes around the regions, with their surroundings; those that meet are one.
@@ -38,11 +40,23 @@ std::vector<cv::Rect> boxesOf(const cv::Mat& stats, int margin, const cv::Size& 
   return boxes;
 }
 
+/// Mean square of the change of an image from px to px, CV_32FC1.
+cv::Mat changeOf(const cv::Mat& grey) {
+  cv::Mat sideways, downwards;
+  cv::Scharr(grey, sideways, CV_32F, 1, 0, 1.0 / 32.0);
+  cv::Scharr(grey, downwards, CV_32F, 0, 1, 1.0 / 32.0);
+  cv::Mat change = sideways.mul(sideways);
+  cv::accumulateSquare(downwards, change);
+  cv::boxFilter(change, change, -1, {kWindow, kWindow});
+  return change;
+}
+
 /// Weighted mask and weight, CV_32FC2: 1 where the mask is taken as it is.
 /// @param inside, cores  px, distances within regions from their borders, and where by label their cores
 /// begin
-cv::Mat knownOf(const cv::Mat& mask, const cv::Mat& labels, const cv::Mat& inside,
+cv::Mat knownOf(const cv::Mat& mask, const cv::Mat& grey, const cv::Mat& labels, const cv::Mat& inside,
                 const std::vector<float>& cores, float reach) {
+  const cv::Mat change = changeOf(grey);
   cv::Mat outside, known(mask.size(), CV_32FC2);
   cv::distanceTransform(~mask, outside, cv::DIST_L2, 3);
   for (int row = 0; row < mask.rows; ++row) {
@@ -54,7 +68,9 @@ cv::Mat knownOf(const cv::Mat& mask, const cv::Mat& labels, const cv::Mat& insid
       const bool is_known =
           marked ? inside.at<float>(row, column) > cores[static_cast<std::size_t>(label[column])]
                  : outside.at<float>(row, column) > reach;
-      const float weight = is_known ? 1.0F : kUnknown;
+      // What moves may have lent its flow to a surface without texture.
+      const float certain = marked ? change.at<float>(row, column) / (kTextured * kTextured) : 1.0F;
+      const float weight = is_known ? std::clamp(certain, kUnknown, 1.0F) : kUnknown;
       to[column] = {marked ? weight : 0.0F, weight};
     }
   }
@@ -81,9 +97,11 @@ void moveBordersToEdges(cv::Mat& mask, const cv::Mat& grey, double reach) {
   const int margin = static_cast<int>(std::ceil(kSurroundings * reach));
   for (const cv::Rect& box : boxesOf(stats, margin, mask.size())) {
     cv::Mat region = mask(box);
-    const cv::Mat known = knownOf(region, labels(box), distances(box), cores, static_cast<float>(reach));
+    const cv::Mat picture = grey(box).clone();
+    const cv::Mat known =
+        knownOf(region, picture, labels(box), distances(box), cores, static_cast<float>(reach));
     cv::Mat spread;
-    cv::ximgproc::fastGlobalSmootherFilter(grey(box).clone(), known, spread, kSpread * reach * reach, kEdge);
+    cv::ximgproc::fastGlobalSmootherFilter(picture, known, spread, kSpread * reach * reach, kEdge);
     for (int row = 0; row < region.rows; ++row) {
       const auto* from = spread.ptr<cv::Vec2f>(row);
       const auto* weights = known.ptr<cv::Vec2f>(row);

@@ -9,8 +9,8 @@ namespace radar_dot {
 /// Moves the borders of regions to the edges of the image. The flow of what moves reaches over its border by
 /// the size of the patches that flow is made of, most of all over road and sky without texture. So what is
 /// deep inside of a region, or far from all, is taken as it is, and spreads into the band between up to where
-/// the image changes: the fast global smoother of Min et al. (IEEE TIP 2014), of the mask over that of one
-/// where it is known.
+/// the image changes; within regions the more, the more texture there is: the fast global smoother of Min et
+/// al. (IEEE TIP 2014), of the mask over that of one where it is known.
 /// @param mask   CV_8UC1, 0 or 255   @param grey  CV_8UC1, the image that the mask lies on
 /// @param reach  px of the mask, half the width of the band; narrower within small regions
 void moveBordersToEdges(cv::Mat& mask, const cv::Mat& grey, double reach);

@@ -134,6 +134,7 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
   input.camera = pair.camera;
   input.pixel_scale = pair.pixel_scale;
   input.T_current_from_previous = staticPointMotion(pair.T_base_from_camera, pair.T_first_from_second);
+  input.duration = pair.second_time - pair.first_time;
   input.flow = pair.flow.flow;
   // The forward-backward error is noise to the score by uncertainty, and no reason to leave a pixel out.
   if (params_.byUncertainty() && !pair.flow.fb_error.empty()) {
@@ -160,12 +161,12 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
   if (params_.motion.radar.dynamic_gain > 0.0) {
     for (const CloudPoint& point : pair.dynamic_points) {
       if (showsOwnMotion(point, params_.radar_min_residual))
-        input.dynamic_points.emplace_back(T_camera_from_base * point.position);
+        input.dynamic_points.push_back({T_camera_from_base * point.position, point.residual});
     }
   }
   if (params_.motion.radar.static_gain > 0.0) {
     for (const CloudPoint& point : pair.static_points)
-      input.static_points.emplace_back(T_camera_from_base * point.position);
+      input.static_points.push_back({T_camera_from_base * point.position, point.residual});
   }
   return input;
 }
@@ -232,9 +233,9 @@ void MaskPipeline::followDepth(const MaskPair& pair, const FlowField* backward, 
   const MotionDepthResult followed = depth_.update(seen);
   if (!followed.followed) return;
   cv::Mat is_static = followed.origin == static_cast<int>(DepthOrigin::kMotion);
-  cv::Mat returns = cv::Mat::zeros(is_static.size(), CV_8UC1);
-  drawReturns(pair.camera, input.dynamic_points, params_.motion.radar, 255, returns);
-  is_static.setTo(0, returns);
+  cv::Mat returns = cv::Mat::zeros(is_static.size(), CV_16UC1);
+  drawReturns(pair.camera, input.dynamic_points, params_.motion.radar, 1, returns);
+  is_static.setTo(0, returns > 0);
   if (!belief.empty()) is_static.setTo(0, belief > 0.0);
   input.depth = input.depth.clone();
   followed.depth.copyTo(input.depth, is_static);

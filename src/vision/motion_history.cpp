@@ -17,6 +17,7 @@ MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const c
   seen.camera = pair.camera;
   seen.pixel_scale = pair.pixel_scale;
   seen.T_current_from_previous = pair.T_current_from_previous.inverse();
+  seen.duration = -pair.duration;
   // inv(D T) = (inv(T) inv(D) T) inv(T): a small motion after T is one after inv(T), of points that T took
   // along, and as uncertain.
   seen.motion_covariance = cameraCovariance(pair.T_current_from_previous, pair.motion_covariance);

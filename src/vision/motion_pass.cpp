@@ -204,6 +204,79 @@ RADAR_DOT_VECTORISED void distanceBlock(const PassConstants& pass, int row, int 
   }
 }
 
+uncertainty_terms::PixelShift shiftBy(const PassConstants& pass, const motion_terms::Prediction& there,
+                                      const uncertainty_terms::SmallMotion& motion) {
+  return uncertainty_terms::byMotion(pass.fx, pass.fy, (there.u - pass.cx) / pass.fx,
+                                     (there.v - pass.cy) / pass.fy, 1.0F / there.depth, motion);
+}
+
+Mover moverOf(const MotionInput& input, const CloudPoint& point) {
+  constexpr double kAcross = 5.0;  // m/s, 1 sigma of what Doppler does not tell
+  constexpr float kLength = 3.0F;  // m, 1 sigma of how far from its return a thing is seen
+  const Eigen::Isometry3d& T = input.T_current_from_previous;
+  const Eigen::Vector3d away = point.position.cast<double>().normalized();
+  const Eigen::Vector3d across = away.cross(Eigen::Vector3d::UnitY()).normalized();
+  Eigen::Isometry3d T_of_mover = T;
+  T_of_mover.translation() += T.linear() * away * (static_cast<double>(point.residual) * input.duration);
+  const Eigen::Vector3f spread = (T.linear() * across * (kAcross * input.duration)).cast<float>();
+  return {motion_terms::PixelMotion(input.camera, T_of_mover),
+          {0.0F, 0.0F, 0.0F, spread.x(), spread.y(), spread.z()},
+          point.position.z(),
+          kLength / (point.position.z() * point.position.z()),
+          std::isfinite(point.residual)};
+}
+
+void add(const uncertainty_terms::PixelShift& shift, uncertainty_terms::Covariance& covariance) {
+  covariance.uu += shift.u * shift.u;
+  covariance.uv += shift.u * shift.v;
+  covariance.vv += shift.v * shift.v;
+}
+
+/// What the errors of flow and of the motion add up to, where a pixel is predicted.
+/// @param noise  px^2, besides that of all flow
+uncertainty_terms::Covariance spreadAt(const PassConstants& pass, const motion_terms::Prediction& there,
+                                       const float* flow, float noise) {
+  const float sigma = pass.flow_std + pass.flow_std_relative * std::hypot(flow[0], flow[1]);
+  uncertainty_terms::Covariance covariance{sigma * sigma + noise, 0.0F, sigma * sigma + noise};
+  for (const uncertainty_terms::SmallMotion& direction : pass.spread)
+    add(shiftBy(pass, there, direction), covariance);
+  return covariance;
+}
+
+/// Squared standard deviations of the flow of a pixel from that of the thing that a return is of.
+float squaredFromMover(const PassConstants& pass, const Mover& mover, float u, float v, const float* flow,
+                       float noise) {
+  const motion_terms::Prediction there = motion_terms::predict(mover.motion, u, v, mover.depth);
+  if (!(there.depth > 0.0F)) return kNaN;
+  uncertainty_terms::Covariance covariance = spreadAt(pass, there, flow, noise);
+  const uncertainty_terms::PixelShift by_depth =
+      uncertainty_terms::byInverseDepth(mover.motion, mover.depth, there);
+  add({mover.inverse_depth_std * by_depth.u, mover.inverse_depth_std * by_depth.v}, covariance);
+  add(shiftBy(pass, there, mover.across), covariance);
+  return uncertainty_terms::squaredDistance(u + flow[0] - there.u, v + flow[1] - there.v, covariance);
+}
+
+/// Moves the scores of a row by the returns whose footprints they lie in.
+void weighByReturns(const PassConstants& pass, int row, const InputRow& input, int columns, float* scores) {
+  for (int column = 0; column < columns; ++column) {
+    const std::uint16_t footprint = input.footprint[column];
+    if (footprint == kNoReturn) continue;
+    if (footprint == kStaticReturn) {
+      scores[column] *= pass.static_factor;
+      continue;
+    }
+    const Mover& mover = pass.movers[static_cast<std::size_t>(footprint - kDynamicReturn)];
+    const float score = scores[column];
+    const float* flow = input.flows + 2 * static_cast<std::ptrdiff_t>(column);
+    // The road beside a car, or below a ghost, moves as the road does.
+    const bool is_contradicted =
+        pass.by_uncertainty && mover.has_speed &&
+        squaredFromMover(pass, mover, static_cast<float>(column), static_cast<float>(row), flow,
+                         flowNoise(pass, input, column)) > score * score;
+    if (!is_contradicted) scores[column] *= pass.dynamic_factor;
+  }
+}
+
 }  // namespace
 
 PassConstants::PassConstants(const MotionInput& input, const MotionParams& params, double median)
@@ -225,8 +298,8 @@ PassConstants::PassConstants(const MotionInput& input, const MotionParams& param
       cy(static_cast<float>(input.camera.cy)),
       spread(uncertainty_terms::spreadOf(input.motion_covariance)),
       by_uncertainty(params.score == MotionScore::kUncertainty),
-      radar_factors{1.0F, static_cast<float>(1.0 / (1.0 + params.radar.static_gain)),
-                    static_cast<float>(1.0 + params.radar.dynamic_gain)},
+      static_factor(static_cast<float>(1.0 / (1.0 + params.radar.static_gain))),
+      dynamic_factor(static_cast<float>(1.0 + params.radar.dynamic_gain)),
       last_u(static_cast<float>(input.camera.width - 1)),
       last_v(static_cast<float>(input.camera.height - 1)),
       predicted_in_view(params.predicted_in_view) {
@@ -243,6 +316,13 @@ PassConstants::PassConstants(const MotionInput& input, const MotionParams& param
   };
   factors(foe_columns, input.camera.width, foe ? foe->x() : 0.0);
   factors(foe_rows, input.camera.height, foe ? foe->y() : 0.0);
+  for (const CloudPoint& point : input.dynamic_points) movers.push_back(moverOf(input, point));
+}
+
+float flowNoise(const PassConstants& pass, const InputRow& input, int column) {
+  const float error = input.closures == nullptr ? 0.0F : pass.fb_error_weight * input.closures[column];
+  const float texture = input.textures == nullptr ? 0.0F : input.textures[column];
+  return (error >= 0.0F ? error * error : 0.0F) + texture * texture;
 }
 
 float distanceFromStatic(const PassConstants& pass, float u, float v, float farthest, const float* flow,
@@ -263,19 +343,9 @@ float distanceFromStatic(const PassConstants& pass, float u, float v, float fart
   const float depth = 1.0F / std::clamp(measured, farthest, std::max(farthest, kNearest));
   const motion_terms::Prediction there = motion_terms::predict(motion, u, v, depth);
   if (!(there.depth > 0.0F)) return kNaN;
-  const float sigma = pass.flow_std + pass.flow_std_relative * std::hypot(flow[0], flow[1]);
-  const float variance = sigma * sigma + noise;
+  uncertainty_terms::Covariance covariance = spreadAt(pass, there, flow, noise);
   const uncertainty_terms::PixelShift by_depth = uncertainty_terms::byInverseDepth(motion, depth, there);
-  const float g_u = kDepthStd / depth * by_depth.u, g_v = kDepthStd / depth * by_depth.v;
-  uncertainty_terms::Covariance covariance{variance + g_u * g_u, g_u * g_v, variance + g_v * g_v};
-  for (const uncertainty_terms::SmallMotion& direction : pass.spread) {
-    const uncertainty_terms::PixelShift shift =
-        uncertainty_terms::byMotion(pass.fx, pass.fy, (there.u - pass.cx) / pass.fx,
-                                    (there.v - pass.cy) / pass.fy, 1.0F / there.depth, direction);
-    covariance.uu += shift.u * shift.u;
-    covariance.uv += shift.u * shift.v;
-    covariance.vv += shift.v * shift.v;
-  }
+  add({kDepthStd / depth * by_depth.u, kDepthStd / depth * by_depth.v}, covariance);
   return std::sqrt(uncertainty_terms::squaredDistance(to_u - there.u, to_v - there.v, covariance));
 }
 
@@ -310,8 +380,7 @@ void scoreRow(const PassConstants& pass, const motion_terms::FloatImage& next_de
       scoreBlock(pass, count, depths, block, scores + begin);
     }
   }
-  for (int column = 0; input.footprint != nullptr && column < columns; ++column)
-    scores[column] *= pass.radar_factors[input.footprint[column]];
+  if (input.footprint != nullptr) weighByReturns(pass, row, input, columns, scores);
 }
 
 }  // namespace radar_dot

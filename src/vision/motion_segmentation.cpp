@@ -59,6 +59,17 @@ double scaleOf(double median, double least) {
   return std::max(least, median / uncertainty_terms::chiMedian(2));
 }
 
+InputRow rowOf(const MotionInput& input, int row) {
+  InputRow in;
+  in.depths = input.depth.ptr<float>(row);
+  in.flows = input.flow.ptr<float>(row);
+  if (!input.flow_valid.empty()) in.reliable = input.flow_valid.ptr<std::uint8_t>(row);
+  if (!input.fb_error.empty()) in.closures = input.fb_error.ptr<float>(row);
+  if (!input.texture_std.empty()) in.textures = input.texture_std.ptr<float>(row);
+  if (!input.depth_std.empty()) in.depth_stds = input.depth_std.ptr<float>(row);
+  return in;
+}
+
 using Histograms = tbb::enumerable_thread_specific<FloatHistogram>;
 
 /// Runs `row(index, histogram)` for every row, on all cores. @return the sum of the histograms.
@@ -142,10 +153,12 @@ double MotionSegmenter::Workspace::medianDepth(const MotionInput& input, float m
 }
 
 void MotionSegmenter::Workspace::drawFootprints(const MotionInput& input, const RadarEvidenceParams& params) {
-  footprints.create(input.camera.height, input.camera.width, CV_8UC1);
-  footprints.setTo(0);
-  if (params.static_gain > 0.0)
+  footprints.create(input.camera.height, input.camera.width, CV_16UC1);
+  footprints.setTo(kNoReturn);
+  if (params.static_gain > 0.0) {
     drawReturns(input.camera, input.static_points, params, kStaticReturn, footprints);
+    footprints.setTo(kStaticReturn, footprints != kNoReturn);
+  }
   // Over the others: one that moves before a wall counts.
   if (params.dynamic_gain > 0.0)
     drawReturns(input.camera, input.dynamic_points, params, kDynamicReturn, footprints);
@@ -158,17 +171,11 @@ double MotionSegmenter::Workspace::score(const MotionInput& input, const PassCon
   const int columns = input.camera.width;
   scores.create(rows, columns, CV_32FC1);
   const motion_terms::FloatImage next_depth(input.next_depth);
-  const bool with_radar = (pass.radar_factors[kDynamicReturn] != 1.0F && !input.dynamic_points.empty()) ||
-                          (pass.radar_factors[kStaticReturn] != 1.0F && !input.static_points.empty());
+  const bool with_radar = (pass.dynamic_factor != 1.0F && !input.dynamic_points.empty()) ||
+                          (pass.static_factor != 1.0F && !input.static_points.empty());
   overRows(rows, histograms, sum, [&](int row, FloatHistogram& histogram) {
-    InputRow in;
-    in.depths = input.depth.ptr<float>(row);
-    in.flows = input.flow.ptr<float>(row);
-    if (!input.flow_valid.empty()) in.reliable = input.flow_valid.ptr<std::uint8_t>(row);
-    if (!input.fb_error.empty()) in.closures = input.fb_error.ptr<float>(row);
-    if (!input.texture_std.empty()) in.textures = input.texture_std.ptr<float>(row);
-    if (!input.depth_std.empty()) in.depth_stds = input.depth_std.ptr<float>(row);
-    if (with_radar) in.footprint = footprints.ptr<std::uint8_t>(row);
+    InputRow in = rowOf(input, row);
+    if (with_radar) in.footprint = footprints.ptr<std::uint16_t>(row);
     float* out = scores.ptr<float>(row);
     scoreRow(pass, next_depth, row, in, columns, out);
     for (int column = 0; column < columns; ++column) histogram.add(out[column]);
@@ -235,23 +242,20 @@ void MotionSegmenter::Workspace::keepSeeded(const MotionInput& input, const Pass
   const double slope = input.ground ? std::tan(input.ground->params.pitch) : 0.0;
   seeds.create(result.score.size(), CV_8UC1);
   parallelRows(seeds.rows, [&](int row) {
+    const InputRow in = rowOf(input, row);
     const float* scores = result.score.ptr<float>(row);
     const auto* mask = result.mask.ptr<std::uint8_t>(row);
     auto* is_seed = seeds.ptr<std::uint8_t>(row);
     for (int column = 0; column < seeds.cols; ++column) {
       is_seed[column] = static_cast<std::uint8_t>(mask[column] != 0 && scores[column] > high);
       if (is_seed[column] == 0) continue;
-      if (!input.ground || (with_radar && footprints.at<std::uint8_t>(row, column) == kDynamicReturn))
+      if (!input.ground || (with_radar && footprints.at<std::uint16_t>(row, column) >= kDynamicReturn))
         continue;
-      float noise = 0.0F;
-      if (!input.fb_error.empty()) noise = pass.fb_error_weight * input.fb_error.at<float>(row, column);
-      noise = noise >= 0.0F ? noise * noise : 0.0F;
-      if (!input.texture_std.empty()) noise += std::pow(input.texture_std.at<float>(row, column), 2.0F);
       const GroundRay ground = groundRay(input.camera, input.ground->T_base_from_camera, column, row, slope,
                                          input.ground->params.height);
       const float distance = distanceFromStatic(
           pass, static_cast<float>(column), static_cast<float>(row), static_cast<float>(ground.rho),
-          input.flow.ptr<float>(row) + 2 * static_cast<std::ptrdiff_t>(column), noise);
+          in.flows + 2 * static_cast<std::ptrdiff_t>(column), flowNoise(pass, in, column));
       if (distance <= limit) is_seed[column] = 0;  // false where only the past says something
     }
   });

@@ -8,6 +8,13 @@
 #ifdef __SANITIZE_THREAD__
 extern "C" void __tsan_acquire(void* address);
 extern "C" void __tsan_release(void* address);
+
+#include <opencv2/core/utility.hpp>
+
+namespace radar_dot {
+/// Nor does it see the order of OpenCV's own loops.
+inline const bool kOpenCvOnOneThread = (cv::setNumThreads(1), true);
+}  // namespace radar_dot
 #endif
 
 namespace radar_dot {

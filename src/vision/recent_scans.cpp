@@ -11,6 +11,7 @@ namespace {
 
 // s of scans that are kept of each sensor: the images of a pair, and masks of them, come later.
 constexpr double kKept = 4.0;
+constexpr double kConfirmation = 0.3;     // s within which another scan shows what moves as well
 constexpr std::size_t kMaxScans = 200;    // of each sensor
 constexpr std::size_t kMaxSensors = 100;  // more are frame names that vary from message to message
 
@@ -65,6 +66,32 @@ bool areReturns(const std::vector<CloudPoint>& points) {
   return !points.empty() && !std::isnan(points.front().residual);
 }
 
+/// Another scan of a sensor.
+struct Beside {
+  float dt;  // s, after the scan
+  Eigen::Isometry3f T_now_from_sensor;
+  const std::vector<CloudPoint>* points;
+};
+
+/// Does another scan show what moves where it should be by then? What does not move needs none, nor the only
+/// scan for long.
+/// @param away  unit vector along the line of sight
+bool isConfirmed(const CloudPoint& point, const Eigen::Vector3f& away, const std::vector<Beside>& others) {
+  constexpr float kMoves = 0.5F;   // m/s
+  constexpr float kAlike = 2.0F;   // m/s
+  constexpr float kReach = 1.5F;   // m
+  constexpr float kAcross = 5.0F;  // m/s that Doppler does not tell
+  if (others.empty() || !(std::fabs(point.residual) > kMoves)) return true;
+  return std::any_of(others.begin(), others.end(), [&](const Beside& other) {
+    const Eigen::Vector3f expected = point.position + point.residual * other.dt * away;
+    const float reach = kReach + kAcross * std::fabs(other.dt);
+    return std::any_of(other.points->begin(), other.points->end(), [&](const CloudPoint& there) {
+      return std::fabs(there.residual - point.residual) < kAlike &&
+             (other.T_now_from_sensor * there.position - expected).head<2>().squaredNorm() < reach * reach;
+    });
+  });
+}
+
 bool isUpright(const Eigen::Vector3f& position, const GroundParams& ground) {
   const float height = position.z() - static_cast<float>(ground.height) -
                        std::tan(static_cast<float>(ground.pitch)) * position.x();
@@ -103,15 +130,25 @@ std::vector<CloudPoint> RecentScans::at(double time, double max_age, const Mount
     if (scan == nullptr) continue;
     const std::optional<Eigen::Isometry3d> T_base_from_sensor = mount(sensor);
     if (!T_base_from_sensor) continue;
-    const std::optional<Eigen::Isometry3d> T_now_from_scan = motion(time, scan->time);
-    const Eigen::Isometry3f T =
-        (T_now_from_scan ? *T_now_from_scan * *T_base_from_sensor : *T_base_from_sensor).cast<float>();
+    const auto poseAt = [&](double then) {
+      const std::optional<Eigen::Isometry3d> T_now_from_then = motion(time, then);
+      return (T_now_from_then ? *T_now_from_then * *T_base_from_sensor : *T_base_from_sensor).cast<float>();
+    };
+    const Eigen::Isometry3f T = poseAt(scan->time);
     // Of a planar radar that has one return all heights are the same, too: it is the sensor that tells.
     const bool with_heights = ground != nullptr && std::any_of(scans.begin(), scans.end(),
                                                                [](const Scan& s) { return s.tells_heights; });
+    std::vector<Beside> others;
+    for (const Scan& other : scans) {
+      const double dt = other.time - scan->time;
+      if (ground == nullptr || &other == scan || !(std::abs(dt) <= kConfirmation)) continue;
+      others.push_back({static_cast<float>(dt), poseAt(other.time), &other.points});
+    }
     for (const CloudPoint& point : scan->points) {
       const Eigen::Vector3f position = T * point.position;
-      if (!with_heights || isUpright(position, *ground)) points.push_back({position, point.residual});
+      if (with_heights && !isUpright(position, *ground)) continue;
+      const Eigen::Vector3f away = (position - T.translation()).normalized();
+      if (isConfirmed({position, point.residual}, away, others)) points.push_back({position, point.residual});
     }
   }
   return points;

@@ -38,14 +38,20 @@ std::vector<float> reachesOf(const std::vector<Eigen::Vector2f>& places, float r
   return reaches;
 }
 
-void drawReturns(const CameraIntrinsics& camera, const std::vector<Eigen::Vector3f>& points,
-                 const RadarEvidenceParams& params, std::uint8_t value, cv::Mat& footprints) {
+void drawReturns(const CameraIntrinsics& camera, const std::vector<CloudPoint>& points,
+                 const RadarEvidenceParams& params, std::uint16_t first, cv::Mat& footprints) {
   std::vector<Eigen::Vector2f> places;
-  for (const Eigen::Vector3f& point : points) places.emplace_back(point.x(), point.z());
-  const std::vector<float> reaches = reachesOf(places, static_cast<float>(params.radius));
+  std::vector<std::size_t> seen;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3f& point = points[i];
-    if (!(point.z() > 0.1F) || !point.allFinite()) continue;
+    const Eigen::Vector3f& point = points[i].position;
+    places.emplace_back(point.x(), point.z());
+    if (point.z() > 0.1F && point.allFinite()) seen.push_back(i);
+  }
+  std::stable_sort(seen.begin(), seen.end(),
+                   [&places](std::size_t a, std::size_t b) { return places[a].y() > places[b].y(); });
+  const std::vector<float> reaches = reachesOf(places, static_cast<float>(params.radius));
+  for (const std::size_t i : seen) {
+    const Eigen::Vector3f& point = points[i].position;
     const float half_width = std::max(reaches[i], static_cast<float>(params.azimuth_std) * point.norm());
     const auto corner = [&](float right, float down) {
       const Eigen::Vector2d pixel =
@@ -55,7 +61,7 @@ void drawReturns(const CameraIntrinsics& camera, const std::vector<Eigen::Vector
                        static_cast<int>(std::lround(std::clamp(pixel.y(), -1e5, 1e5))));
     };
     cv::rectangle(footprints, corner(-half_width, -kFootprintAbove), corner(half_width, kFootprintBelow),
-                  cv::Scalar(value), cv::FILLED);
+                  cv::Scalar(static_cast<double>(first + i)), cv::FILLED);
   }
 }
 

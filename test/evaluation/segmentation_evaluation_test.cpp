@@ -80,6 +80,24 @@ TEST_F(SegmentationEvaluation, TrueInputsGiveTheTrueMask) {
   }
 }
 
+TEST_F(SegmentationEvaluation, PeopleCountApart) {
+  for (const char* category : {"human.pedestrian.adult", "vehicle.car"}) {
+    SCOPED_TRACE(category);
+    std::vector<dataset::InstanceMask> instances;
+    for (const dataset::InstanceMask* mask : dataroot_->masks()) instances.push_back(*mask);
+    std::vector<const dataset::InstanceMask*> masks;
+    for (dataset::InstanceMask& instance : instances) {
+      instance.category_name = category;
+      masks.push_back(&instance);
+    }
+    const SegmentationReport report = evaluateSegmentation(dataroot_->tables(), 0, masks, everythingTrue());
+    const bool are_people = std::string(category) != "vehicle.car";
+    const Confusion& pixels = report.pixels;
+    EXPECT_EQ(report.people_found, are_people ? pixels.true_positives : 0U);
+    EXPECT_EQ(report.people_pixels, are_people ? pixels.true_positives + pixels.false_negatives : 0U);
+  }
+}
+
 TEST_F(SegmentationEvaluation, NothingMovesInTheCarPark) {
   SegmentationEvaluationOptions options = everythingTrue();
   options.min_true_residual = 0.0;

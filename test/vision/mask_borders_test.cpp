@@ -30,6 +30,15 @@ cv::Mat picture(const cv::Mat& mask, int inside, int outside) {
   return grey + noise - 8;
 }
 
+/// A pattern of what is in a mask.
+void addDots(cv::Mat& grey, int by, const cv::Mat& mask) {
+  for (int row = 0; row < grey.rows; row += 4)
+    for (int column = 0; column < grey.cols; column += 4)
+      if (mask.at<std::uint8_t>(row, column) != 0)
+        grey.at<std::uint8_t>(row, column) =
+            static_cast<std::uint8_t>(grey.at<std::uint8_t>(row, column) + by);
+}
+
 double overlap(const cv::Mat& a, const cv::Mat& b) {
   return static_cast<double>(cv::countNonZero(a & b)) / cv::countNonZero(a | b);
 }
@@ -45,12 +54,30 @@ TEST(MaskBorders, MoveToTheEdgesOfWhatIsSeen) {
   }
 }
 
-TEST(MaskBorders, WithoutEdgesTheCoreStays) {
+TEST(MaskBorders, WithTextureButWithoutEdgesTheCoreStays) {
   const cv::Mat flow = disc({160, 90}, 40);
-  cv::Mat mask = flow.clone();
-  moveBordersToEdges(mask, picture(flow, 100, 100), kReach);
+  cv::Mat mask = flow.clone(), grey = picture(flow, 100, 100);
+  addDots(grey, 40, cv::Mat(kSize, CV_8UC1, cv::Scalar(255)));
+  moveBordersToEdges(mask, grey, kReach);
   EXPECT_EQ(cv::countNonZero(disc({160, 90}, 27) & ~mask), 0);
   EXPECT_EQ(cv::countNonZero(mask & ~disc({160, 90}, 40 + static_cast<int>(kReach))), 0);
+}
+
+TEST(MaskBorders, WhatMovesLendsItsFlowToSurfacesWithoutTexture) {
+  const cv::Mat car = disc({120, 90}, 28);
+  cv::Mat grey = picture(car, 60, 120);
+  addDots(grey, 40, car);
+  const cv::Rect road(120, 75, 90, 40);  // beside it, marked with it
+  cv::Mat mask = car.clone();
+  mask(road).setTo(255);
+  ASSERT_LT(overlap(mask, car), 0.6);
+  cv::Mat with_pattern_on_road = grey.clone();
+  addDots(with_pattern_on_road, 40, ~car);
+  cv::Mat kept = mask.clone();
+  moveBordersToEdges(mask, grey, kReach);
+  EXPECT_GT(overlap(mask, car), 0.85);
+  moveBordersToEdges(kept, with_pattern_on_road, kReach);
+  EXPECT_GT(cv::countNonZero(kept(cv::Rect(170, 85, 15, 20))), 250);  // of 300
 }
 
 TEST(MaskBorders, WhatIsSmallIsKept) {

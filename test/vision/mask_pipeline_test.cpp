@@ -251,7 +251,8 @@ TEST(MaskPipeline, OnlyReturnsWithAMotionOfTheirOwnAreEvidence) {
   pair.static_points.push_back({{10.0F, 0.0F, 0.5F}, 0.0F});
   const MotionInput input = MaskPipeline(params).process(pair).input;
   ASSERT_EQ(input.dynamic_points.size(), 3U);
-  EXPECT_TRUE(input.dynamic_points[0].isApprox(Eigen::Vector3f(-1.0F, 1.1F, 18.5F)));  // in the camera frame
+  EXPECT_TRUE(
+      input.dynamic_points[0].position.isApprox(Eigen::Vector3f(-1.0F, 1.1F, 18.5F)));  // in the camera frame
   EXPECT_EQ(input.static_points.size(), 1U);
   params.motion.radar.dynamic_gain = params.motion.radar.static_gain = 0.0;
   const MotionInput without = MaskPipeline(params).process(pair).input;

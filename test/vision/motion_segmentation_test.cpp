@@ -186,7 +186,7 @@ TEST(MotionSegmenter, DynamicReturnsRaiseTheScoreAroundThem) {
   params.paper.min_threshold = 0.3;
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 0);
   params.radar.dynamic_gain = 2.0;
-  input.dynamic_points = {{0.0F, 0.0F, 20.0F}, {0.0F, 0.0F, -5.0F}, {kNaN, 0.0F, 9.0F}};
+  input.dynamic_points = {{{0.0F, 0.0F, 20.0F}}, {{0.0F, 0.0F, -5.0F}}, {{kNaN, 0.0F, 9.0F}}};
   EXPECT_GT(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 400);
 }
 

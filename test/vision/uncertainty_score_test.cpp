@@ -313,7 +313,7 @@ TEST(RadarEvidence, StaticReturnsLowerTheScoreButNotWhereOneMoves) {
   params.radar.dynamic_gain = 0.0;
   MotionInput input = wall();
   move(input, {130, 100, 60, 40}, {0.0F, 3.5F});  // about six sigma
-  input.static_points = {{0.0F, 0.0F, 20.0F}};    // 50 px wide, 50 px high around the middle
+  input.static_points = {{{0.0F, 0.0F, 20.0F}}};  // 50 px wide, 50 px high around the middle
   EXPECT_EQ(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 2400);
   params.radar.static_gain = 1.0;
   EXPECT_LT(cv::countNonZero(MotionSegmenter(params).segment(input).mask), 1200);
@@ -328,12 +328,36 @@ TEST(RadarEvidence, FarFootprintsAreAsWideAsTheBearingIsUncertain) {
   input.depth.setTo(60.0);
   input.flow = expectedFlow(input.camera, input.T_current_from_previous, input.depth);
   move(input, {110, 100, 100, 30}, {0.0F, 1.5F});  // about three sigma: too little by itself
-  input.dynamic_points = {{0.0F, 0.0F, 60.0F}};
+  input.dynamic_points = {{{0.0F, 0.0F, 60.0F}}};
   const int narrow = cv::countNonZero(MotionSegmenter(params).segment(input).mask);
   params.radar.azimuth_std = 0.05;  // 3 m instead of 1 m
   const int wide = cv::countNonZero(MotionSegmenter(params).segment(input).mask);
   EXPECT_GT(narrow, 100);
   EXPECT_NEAR(static_cast<double>(wide) / narrow, 3.0, 0.3);
+}
+
+TEST(RadarEvidence, CountsWhereTheFlowMayBeThatOfWhatTheReturnIsOf) {
+  MotionParams params = exactModel();
+  params.uncertainty.noise.flow_std = 0.2;
+  MotionInput input = wall();
+  input.depth.setTo(60.0);
+  input.duration = 0.1;
+  const cv::Mat background = expectedFlow(input.camera, input.T_current_from_previous, input.depth);
+  const auto marked = [&](const cv::Mat& flow_below, float speed) {
+    input.flow = background.clone();
+    const cv::Rect below(140, 95, 40, 40);  // within the footprint
+    flow_below(below).copyTo(input.flow(below));
+    input.dynamic_points = {{{0.0F, 0.0F, 20.0F}, speed}};
+    return cv::countNonZero(MotionSegmenter(params).segment(input).mask);
+  };
+  // Ahead, as fast as the vehicle, which moves 1 m in this time: its flow is zero, that of the wall is not.
+  const cv::Mat still = cv::Mat::zeros(background.size(), CV_32FC2);
+  EXPECT_GT(marked(still, 10.0F), 150);
+  // As far from that of the wall, the other way: nothing that keeps its distance has it.
+  EXPECT_EQ(marked(2.0 * background, 10.0F), 0);
+  EXPECT_GT(marked(2.0 * background, std::numeric_limits<float>::quiet_NaN()), 150);
+  params.radar.dynamic_gain = 0.0;
+  EXPECT_EQ(marked(still, 10.0F), 0);
 }
 
 TEST(Hysteresis, RegionsWithTooFewSeedsDoNotCount) {

@@ -65,6 +65,24 @@ std::vector<CloudPoint> car() {
   return points;
 }
 
+TEST(MovingReturns, CountWhereAnotherScanShowsThemToo) {
+  const GroundParams ground;
+  const CloudPoint wall{{30.0F, -4.0F, 0.0F}, 0.1F}, clutter{{15.0F, 2.0F, 0.0F}, 8.0F};
+  // A scan each 0.1 s. One recedes by 10 m/s; another is said to, by 40, and stays.
+  std::vector<std::vector<CloudPoint>> scans;
+  for (const float x : {20.0F, 21.0F, 22.0F})
+    scans.push_back({{{x, 0.0F, 0.0F}, 10.0F}, {{40.0F, 3.0F, 0.0F}, 40.0F}});
+  scans.front().push_back({clutter.position, -4.0F});  // something else in the same place
+  scans.back().push_back(wall);
+  scans.back().push_back(clutter);
+  EXPECT_EQ(seen(scans, nullptr).size(), 4U);
+  const auto confirmed = seen(scans, &ground);
+  ASSERT_EQ(confirmed.size(), 2U);
+  EXPECT_FLOAT_EQ(confirmed[0].position.x(), 22.0F);
+  EXPECT_FLOAT_EQ(confirmed[1].position.x(), 30.0F);
+  EXPECT_EQ(seen({scans.back()}, &ground).size(), 4U);  // nothing to compare with
+}
+
 TEST(UprightReturns, GhostsOfImagingRadarsStandAlone) {
   std::vector<CloudPoint> scan = car();
   scan.push_back({{10.0F, 3.0F, 0.3F}, 5.0F});   // nothing beside it

@@ -59,7 +59,8 @@ struct SegmentationReport {
   std::size_t frames = 0;          ///< pairs
   std::size_t without_motion = 0;  ///< of them, refused by the velocity estimator: their mask is empty
   Confusion pixels;
-  double seconds = 0.0;  ///< of the fused mask computation, summed over the pairs
+  std::size_t people_pixels = 0, people_found = 0;  ///< of people who move; found: in the mask
+  double seconds = 0.0;                             ///< of the fused mask computation, summed over the pairs
   /// m/s, over the pairs with an estimate: |v - v_true| in the plane, v_true as PoseTrack::meanVelocity of
   /// the pair. v is the mean estimate over the pair, or with velocity "radar_start" the one at its begin.
   /// Empty with velocity "ground_truth".

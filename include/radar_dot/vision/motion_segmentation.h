@@ -14,6 +14,7 @@
 #include "radar_dot/vision/camera_intrinsics.h"
 #include "radar_dot/vision/flow_depth_noise.h"
 #include "radar_dot/vision/ground_plane.h"
+#include "radar_dot/vision/recent_scans.h"
 #include "radar_dot/vision/shared_fields.h"
 
 namespace radar_dot {
@@ -172,6 +173,7 @@ struct ImagePairInput {
   CameraIntrinsics camera;   ///< of the grid
   double pixel_scale = 1.0;  ///< px of the full image per px of the grid
   Eigen::Isometry3d T_current_from_previous = Eigen::Isometry3d::Identity();  ///< staticPointMotion, m
+  double duration = 0.0;                                                      ///< s, from t-1 to t
   cv::Mat flow;        ///< CV_32FC2, px of the grid, from t-1 to t; NaN = unknown
   cv::Mat flow_valid;  ///< CV_8UC1, 0 = unreliable; empty: all are reliable
   cv::Mat grey;        ///< CV_8UC1, the image at t-1; empty: borders stay where the flow has them
@@ -197,8 +199,9 @@ struct PairUncertainty {
 
 /// What speaks for or against a motion besides the pair.
 struct MotionEvidence {
-  std::vector<Eigen::Vector3f> dynamic_points;  ///< m, camera frame at t-1: of dynamic radar returns
-  std::vector<Eigen::Vector3f> static_points;   ///< the same of static ones
+  /// Radar returns, camera frame at t-1. Where the residual of a dynamic one is known, it counts only where
+  /// the flow may be that of a thing at its place that moves so fast along the line of sight.
+  std::vector<CloudPoint> dynamic_points, static_points;
   /// CV_32FC1, log-odds that a pixel moves, from the images before (carriedBelief); NaN: nothing is known;
   /// empty: nowhere. For the score by uncertainty.
   cv::Mat belief;

@@ -44,9 +44,9 @@ class RecentScans {
 
   /// Base frame at `time`, of the scan of each sensor that is nearest to it, within `max_age` s. Points are
   /// where they were seen, as parts of a static world; where the motion since is not known, it is none.
-  /// @param ground  where given, what is on it or overhead is left out, of sensors that tell heights: a
-  /// return
-  ///                then stands for something upright
+  /// @param ground  where given, only what stands for a thing is left: of sensors that tell heights nothing
+  ///                that is on the ground or overhead, and of what moves only what another scan of its sensor
+  ///                shows as well, where there is one within 0.3 s
   std::vector<CloudPoint> at(double time, double max_age, const Mount& mount, const Motion& motion,
                              const GroundParams* ground = nullptr) const;
 

@@ -17,10 +17,11 @@ namespace radar_dot {
 /// @param places  m, on the ground; such that are not finite have the whole reach
 std::vector<float> reachesOf(const std::vector<Eigen::Vector2f>& places, float reach);
 
-/// Draws what returns show of an image: from half a metre below each to one and a half above, since radars
-/// look at bumpers and grilles.
-/// @param points  m, camera frame   @param footprints  CV_8UC1 of the camera's grid
-void drawReturns(const CameraIntrinsics& camera, const std::vector<Eigen::Vector3f>& points,
-                 const RadarEvidenceParams& params, std::uint8_t value, cv::Mat& footprints);
+/// Draws what returns show of an image, near ones over far ones: from half a metre below each to one and a
+/// half above, since radars look at bumpers and grilles.
+/// @param points  camera frame
+/// @param footprints  CV_16UC1 of the camera's grid: `first` plus the index of a return
+void drawReturns(const CameraIntrinsics& camera, const std::vector<CloudPoint>& points,
+                 const RadarEvidenceParams& params, std::uint16_t first, cv::Mat& footprints);
 
 }  // namespace radar_dot
