@@ -256,6 +256,8 @@ float squaredFromMover(const PassConstants& pass, const Mover& mover, float u, f
   return uncertainty_terms::squaredDistance(u + flow[0] - there.u, v + flow[1] - there.v, covariance);
 }
 
+constexpr float kExplained = 1.5F;  // standard deviations from static that need no mover
+
 /// Moves the scores of a row by the returns whose footprints they lie in.
 void weighByReturns(const PassConstants& pass, int row, const InputRow& input, int columns, float* scores) {
   for (int column = 0; column < columns; ++column) {
@@ -270,7 +272,7 @@ void weighByReturns(const PassConstants& pass, int row, const InputRow& input, i
     const float* flow = input.flows + 2 * static_cast<std::ptrdiff_t>(column);
     // The road beside a car, or below a ghost, moves as the road does.
     const bool is_contradicted =
-        pass.by_uncertainty && mover.has_speed &&
+        pass.by_uncertainty && mover.has_speed && score < kExplained &&
         squaredFromMover(pass, mover, static_cast<float>(column), static_cast<float>(row), flow,
                          flowNoise(pass, input, column)) > score * score;
     if (!is_contradicted) scores[column] *= pass.dynamic_factor;

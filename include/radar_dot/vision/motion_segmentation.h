@@ -199,8 +199,9 @@ struct PairUncertainty {
 
 /// What speaks for or against a motion besides the pair.
 struct MotionEvidence {
-  /// Radar returns, camera frame at t-1. Where the residual of a dynamic one is known, it counts only where
-  /// the flow may be that of a thing at its place that moves so fast along the line of sight.
+  /// Radar returns, camera frame at t-1. Where the residual of a dynamic one is known, it does not count
+  /// where the flow is that of the static world rather than that of a thing so far and so fast along the line
+  /// of sight.
   std::vector<CloudPoint> dynamic_points, static_points;
   /// CV_32FC1, log-odds that a pixel moves, from the images before (carriedBelief); NaN: nothing is known;
   /// empty: nowhere. For the score by uncertainty.
