@@ -338,7 +338,8 @@ TEST(RadarEvidence, FarFootprintsAreAsWideAsTheBearingIsUncertain) {
 
 TEST(RadarEvidence, CountsWhereTheFlowMayBeThatOfWhatTheReturnIsOf) {
   MotionParams params = exactModel();
-  params.uncertainty.noise.flow_std = 0.2;
+  params.uncertainty.noise.flow_std = 0.3;
+  params.uncertainty.false_alarm = 0.01;
   MotionInput input = wall();
   input.depth.setTo(60.0);
   input.duration = 0.1;
