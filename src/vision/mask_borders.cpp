@@ -17,7 +17,7 @@ constexpr float kCore = 0.4F;        // of the largest distance of a region from
 constexpr float kUnknown = 0.003F;   // weight of what is in the band
 constexpr double kSpread = 7.0;      // of the smoother, over the square of the reach
 constexpr double kEdge = 4.0;        // grey values from px to px that hold it up, to 1/e
-constexpr float kTextured = 3.0F;    // grey values from px to px, rms, that make a marked pixel certain
+constexpr float kTextured = 1.5F;    // grey values from px to px, rms, that make a marked pixel certain
 constexpr int kWindow = 5;           // px, of that
 constexpr double kSurroundings = 3;  // reaches around a region that are looked at
 
