@@ -251,7 +251,8 @@ TEST_F(Evaluators, ACameraWithoutTruthIsNotScored) {
 }
 
 TEST_F(Evaluators, MergedReportsTellWhatWasLeftOutOfThem) {
-  const std::string scene = R"("scenes": [{"scene": "scene-0002", "sums": "1 0 1 0 0 0 0 0 0 0x0p+0 0x0p+0"}]})";
+  const std::string scene =
+      R"("scenes": [{"scene": "scene-0002", "sums": "1 0 1 0 0 0 0 0 0 0x0p+0 0x0p+0"}]})";
   const fs::path one = folder_.path() / "one.json", two = folder_.path() / "two.json";
   test::writeFile(
       one, "{\"left_out\": {\"scene-0002\": \"was broken\", \"scene-0003\": \"is broken\"}, \"scenes\": []}");
