@@ -10,6 +10,8 @@
 #include <opencv2/ximgproc/edge_filter.hpp>
 #include <vector>
 
+#include "image_change.h"
+
 namespace radar_dot {
 namespace {
 
@@ -40,23 +42,12 @@ std::vector<cv::Rect> boxesOf(const cv::Mat& stats, int margin, const cv::Size& 
   return boxes;
 }
 
-/// Mean square of the change of an image from px to px, CV_32FC1.
-cv::Mat changeOf(const cv::Mat& grey) {
-  cv::Mat sideways, downwards;
-  cv::Scharr(grey, sideways, CV_32F, 1, 0, 1.0 / 32.0);
-  cv::Scharr(grey, downwards, CV_32F, 0, 1, 1.0 / 32.0);
-  cv::Mat change = sideways.mul(sideways);
-  cv::accumulateSquare(downwards, change);
-  cv::boxFilter(change, change, -1, {kWindow, kWindow});
-  return change;
-}
-
 /// Weighted mask and weight, CV_32FC2: 1 where the mask is taken as it is.
 /// @param inside, cores  px, distances within regions from their borders, and where by label their cores
 /// begin
 cv::Mat knownOf(const cv::Mat& mask, const cv::Mat& grey, const cv::Mat& labels, const cv::Mat& inside,
                 const std::vector<float>& cores, float reach) {
-  const cv::Mat change = changeOf(grey);
+  const cv::Mat change = meanSquareChange(grey, kWindow);
   cv::Mat outside, known(mask.size(), CV_32FC2);
   cv::distanceTransform(~mask, outside, cv::DIST_L2, 3);
   for (int row = 0; row < mask.rows; ++row) {
