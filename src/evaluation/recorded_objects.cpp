@@ -3,7 +3,7 @@
 #include "recorded_objects.h"
 
 #include <fmt/format.h>
-#include <sensor_msgs/point_cloud2_iterator.h>
+#include <sensor_msgs/PointCloud2.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "common/transform_messages.h"
+#include "nodelets/inputs/cloud_points.h"
 
 namespace radar_dot::evaluation {
 namespace {
@@ -38,7 +39,11 @@ void RecordedObjects::add(const rosbag::MessageInstance& message) {
   const auto found = std::find(topics_.begin(), topics_.end(), message.getTopic());
   if (found == topics_.end()) return;
   const auto number = found - topics_.begin();
-  if (number > 1) return addReturns(*message.instantiate<sensor_msgs::PointCloud2>(), number == 3);
+  if (number > 1) try {
+      return addReturns(*message.instantiate<sensor_msgs::PointCloud2>(), number == 3);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(*found + ": " + error.what());
+    }
   if (number == 1) return addBoxes(*message.instantiate<visualization_msgs::MarkerArray>());
   const MovingObjectsConstPtr objects = message.instantiate<MovingObjects>();
   if (!objects)
@@ -68,19 +73,13 @@ void RecordedObjects::addBoxes(const visualization_msgs::MarkerArray& boxes) {
 
 void RecordedObjects::addReturns(const sensor_msgs::PointCloud2& cloud, bool dynamic) {
   Scan& scan = scans_[{cloud.header.stamp, withoutSlash(cloud.header.frame_id)}];
-  if (cloud.point_step == 0 || cloud.data.size() < cloud.point_step) return;
-  // Where a cloud had a residual of its own before, ours has another name.
-  const bool has_other = std::any_of(cloud.fields.begin(), cloud.fields.end(),
-                                     [](const auto& field) { return field.name == "ego_residual"; });
-  sensor_msgs::PointCloud2ConstIterator<float> x(cloud, "x"), y(cloud, "y"), z(cloud, "z"),
-      residual(cloud, has_other ? "ego_residual" : "residual");
-  for (std::size_t i = cloud.data.size() / cloud.point_step; i > 0; --i, ++x, ++y, ++z, ++residual) {
+  for (const CloudPoint& point : pointsOf(cloud)) {
+    if (!std::isfinite(point.residual)) continue;
     DopplerReturn one;
-    const Eigen::Vector3f position(*x, *y, *z);
-    one.range = position.norm();
+    one.range = point.position.norm();
     if (!(one.range > 0.F)) continue;
-    one.bearing = position / one.range;
-    one.doppler = *residual;
+    one.bearing = point.position / one.range;
+    one.doppler = point.residual;
     scan.returns.push_back(one);
     scan.is_dynamic.push_back(dynamic ? 1 : 0);
   }

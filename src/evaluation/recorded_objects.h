@@ -29,7 +29,8 @@ class RecordedObjects {
   explicit RecordedObjects(std::vector<std::string> topics) : topics_(std::move(topics)) {}
   const std::vector<std::string>& topics() const { return topics_; }
 
-  /// Any message. @throws std::runtime_error for a cloud without x, y, z or residual
+  /// Any message. @throws std::runtime_error that names the topic, for a cloud without x, y, z, or of a size
+  /// that contradicts its fields
   void add(const rosbag::MessageInstance& message);
 
   /// Of the boxes; empty: there are none.

@@ -13,12 +13,13 @@
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <sensor_msgs/point_cloud2_iterator.h>
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
@@ -428,20 +429,31 @@ class RecordedObjectsTest : public RecordedMotionTest {
   }
 
   void returns(const std::string& topic, double time, const std::vector<std::array<float, 3>>& points) {
-    sensor_msgs::PointCloud2 cloud;
+    using sensor_msgs::PointField;
+    sensor_msgs::PointCloud2 cloud;  // of points that nothing aligns, with x as another driver writes it
     cloud.height = 1;
-    sensor_msgs::PointCloud2Modifier modifier(cloud);
-    modifier.setPointCloud2Fields(4, "x", 1, sensor_msgs::PointField::FLOAT32, "y", 1,
-                                  sensor_msgs::PointField::FLOAT32, "z", 1, sensor_msgs::PointField::FLOAT32,
-                                  "residual", 1, sensor_msgs::PointField::FLOAT32);
-    modifier.resize(points.size());
-    sensor_msgs::PointCloud2Iterator<float> x(cloud, "x");
+    cloud.width = static_cast<std::uint32_t>(points.size());
+    const auto addField = [&cloud](const char* name, std::uint8_t type, std::uint32_t offset) {
+      cloud.fields.emplace_back();
+      cloud.fields.back().name = name;
+      cloud.fields.back().datatype = type;
+      cloud.fields.back().offset = offset;
+      cloud.fields.back().count = 1;
+    };
+    addField("x", PointField::FLOAT64, 1);
+    addField("y", PointField::FLOAT32, 9);
+    addField("z", PointField::FLOAT32, 13);
+    addField("residual", PointField::FLOAT32, 17);
+    cloud.point_step = 21;
+    cloud.row_step = cloud.width * cloud.point_step;
+    cloud.data.resize(cloud.row_step);
+    std::uint8_t* to = cloud.data.data();
     for (const auto& [ahead, left, residual] : points) {
-      x[0] = ahead;
-      x[1] = left;
-      x[2] = 0.F;
-      x[3] = residual;
-      ++x;
+      const double x = ahead;
+      std::memcpy(to + 1, &x, sizeof x);
+      std::memcpy(to + 9, &left, sizeof left);
+      std::memcpy(to + 17, &residual, sizeof residual);
+      to += cloud.point_step;
     }
     write(topic, time, cloud, "radar");
   }
