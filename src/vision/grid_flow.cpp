@@ -157,9 +157,12 @@ FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const c
     closeForwardBackward(field, field.backward, params_.forward_backward_absolute,
                          params_.forward_backward_relative);
   }
-  field.grey = first_on_grid;
-  if (field.grey.channels() > 1) cv::cvtColor(field.grey, field.grey, cv::COLOR_BGR2GRAY);
-  field.grey = resizedImage(field.grey, wanted);
+  const auto greyOf = [&wanted](cv::Mat image) {
+    if (image.channels() > 1) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
+    return resizedImage(image, wanted);
+  };
+  field.grey = greyOf(first_on_grid);
+  field.second_grey = greyOf(second_on_grid);
   if (params_.initialisation == FlowStart::kTemporal) previous_ = there.clone();
   return field;
 }

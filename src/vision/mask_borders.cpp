@@ -10,7 +10,8 @@
 #include <opencv2/ximgproc/edge_filter.hpp>
 #include <vector>
 
-#include "image_change.h"
+#include "parallel_rows.h"
+#include "warp.h"
 
 namespace radar_dot {
 namespace {
@@ -19,9 +20,15 @@ constexpr float kCore = 0.4F;        // of the largest distance of a region from
 constexpr float kUnknown = 0.003F;   // weight of what is in the band
 constexpr double kSpread = 7.0;      // of the smoother, over the square of the reach
 constexpr double kEdge = 4.0;        // grey values from px to px that hold it up, to 1/e
-constexpr float kTextured = 1.5F;    // grey values from px to px, rms, that make a marked pixel certain
+constexpr float kChanged = 1.5F;     // grey values, rms, that make a marked pixel certain
 constexpr int kWindow = 5;           // px, of that
 constexpr double kSurroundings = 3;  // reaches around a region that are looked at
+constexpr float kNoise = 3.0F;       // variances of the noise that are no change
+constexpr float kScharr = 0.115F;    // the mean square change by noise, over the variance of a difference
+constexpr float kShown = 2.0F;   // grey values, rms, by which a motion must show, for its absence to count
+constexpr float kStill = 0.2F;   // of what it would show, at most, where nothing moves
+constexpr float kLinear = 2.0F;  // px, to which the difference grows with the motion
+constexpr int kSampling = 4;     // px
 
 /// Boxes around the regions, with their surroundings; those that meet are one.
 std::vector<cv::Rect> boxesOf(const cv::Mat& stats, int margin, const cv::Size& image) {
@@ -42,27 +49,117 @@ std::vector<cv::Rect> boxesOf(const cv::Mat& stats, int margin, const cv::Size& 
   return boxes;
 }
 
+/// Between two images, in grey values: exposures differ, and so do the pixels of two pictures of the same.
+struct ImageDifference {
+  float offset = 0.0F;
+  float variance = 0.0F;  ///< of the noise
+};
+
+float medianOf(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Of what the flow leaves, which most pixels are explained by.
+ImageDifference differenceBy(const ImagePairInput& pair) {
+  const cv::Size size((pair.grey.cols - 1) / kSampling + 1, (pair.grey.rows - 1) / kSampling + 1);
+  cv::Mat targets(size, CV_32FC2), second;
+  for (int row = 0; row < size.height; ++row)
+    for (int column = 0; column < size.width; ++column)
+      targets.at<cv::Vec2f>(row, column) =
+          pair.flow.at<cv::Vec2f>(row * kSampling, column * kSampling) +
+          cv::Vec2f(static_cast<float>(column * kSampling), static_cast<float>(row * kSampling));
+  cv::remap(pair.second_grey, second, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  std::vector<float> differences;
+  differences.reserve(second.total());
+  for (int row = 0; row < size.height; ++row)
+    for (int column = 0; column < size.width; ++column)
+      differences.push_back(
+          static_cast<float>(second.at<std::uint8_t>(row, column) -
+                             pair.grey.at<std::uint8_t>(row * kSampling, column * kSampling)));
+  ImageDifference difference;
+  difference.offset = medianOf(differences);
+  for (float& value : differences) value = (value - difference.offset) * (value - difference.offset);
+  constexpr float kChiSquare = 0.455F;  // its median, for one degree of freedom
+  difference.variance = medianOf(differences) / kChiSquare;
+  return difference;
+}
+
+/// Means of the products of the changes of a grey image from px to px, CV_32FC3: sideways, both, downwards.
+cv::Mat structureOf(const cv::Mat& grey) {
+  cv::Mat sideways, downwards, structure(grey.size(), CV_32FC3);
+  cv::Scharr(grey, sideways, CV_32F, 1, 0, 1.0 / 32.0);
+  cv::Scharr(grey, downwards, CV_32F, 0, 1, 1.0 / 32.0);
+  parallelRows(structure.rows, [&](int row) {
+    const float *x = sideways.ptr<float>(row), *y = downwards.ptr<float>(row);
+    auto* to = structure.ptr<cv::Vec3f>(row);
+    for (int column = 0; column < structure.cols; ++column)
+      to[column] = {x[column] * x[column], x[column] * y[column], y[column] * y[column]};
+  });
+  cv::boxFilter(structure, structure, -1, {kWindow, kWindow});
+  return structure;
+}
+
+/// How certain the images make it that a marked pixel moves, and that it stands: CV_32FC2, 0 to 1. What
+/// moves lends its flow to surfaces without texture, whose pixels look as if they stood as well.
+cv::Mat certaintyOf(const ImagePairInput& pair) {
+  const cv::Mat structure = structureOf(pair.grey);
+  cv::Mat certainty(structure.size(), CV_32FC2), expected, unexplained;
+  ImageDifference difference;
+  if (!pair.second_grey.empty()) {
+    difference = differenceBy(pair);
+    expected = expectedFlow(pair.camera, pair.T_current_from_previous, pair.depth);
+    cv::subtract(warpedBack(pair.second_grey, expected), pair.grey, unexplained, cv::noArray(), CV_32F);
+    cv::subtract(unexplained, difference.offset, unexplained);
+    cv::multiply(unexplained, unexplained, unexplained);
+    cv::boxFilter(unexplained, unexplained, -1, {kWindow, kWindow});
+  }
+  parallelRows(certainty.rows, [&](int row) {
+    auto* to = certainty.ptr<cv::Vec2f>(row);
+    const auto* change = structure.ptr<cv::Vec3f>(row);
+    for (int column = 0; column < certainty.cols; ++column) {
+      const float across = change[column][0], both = change[column][1], down = change[column][2];
+      float moves = across + down, stands = 0.0F;
+      if (!expected.empty()) {
+        cv::Vec2f motion = pair.flow.at<cv::Vec2f>(row, column) - expected.at<cv::Vec2f>(row, column);
+        motion *= std::min(1.0F, kLinear / std::sqrt(motion.dot(motion)));
+        const float left = unexplained.at<float>(row, column);
+        // A stripe does not show that it moves along itself.
+        const float would_show = across * motion[0] * motion[0] + 2.0F * both * motion[0] * motion[1] +
+                                 down * motion[1] * motion[1] -
+                                 kScharr * difference.variance * motion.dot(motion);
+        if (would_show > kShown * kShown && left - difference.variance < kStill * would_show)
+          stands = would_show / (4.0F * kShown * kShown);
+        moves = std::min(moves, left - kNoise * difference.variance);
+      }
+      to[column] = {std::clamp(moves / (kChanged * kChanged), kUnknown, 1.0F), std::min(stands, 1.0F)};
+    }
+  });
+  return certainty;
+}
+
 /// Weighted mask and weight, CV_32FC2: 1 where the mask is taken as it is.
 /// @param inside, cores  px, distances within regions from their borders, and where by label their cores
 /// begin
-cv::Mat knownOf(const cv::Mat& mask, const cv::Mat& grey, const cv::Mat& labels, const cv::Mat& inside,
+cv::Mat knownOf(const cv::Mat& mask, const cv::Mat& certainty, const cv::Mat& labels, const cv::Mat& inside,
                 const std::vector<float>& cores, float reach) {
-  const cv::Mat change = meanSquareChange(grey, kWindow);
   cv::Mat outside, known(mask.size(), CV_32FC2);
   cv::distanceTransform(~mask, outside, cv::DIST_L2, 3);
   for (int row = 0; row < mask.rows; ++row) {
     const auto* is_marked = mask.ptr<std::uint8_t>(row);
+    const auto* certain = certainty.ptr<cv::Vec2f>(row);
     const int* label = labels.ptr<int>(row);
     auto* to = known.ptr<cv::Vec2f>(row);
     for (int column = 0; column < mask.cols; ++column) {
-      const bool marked = is_marked[column] != 0;
-      const bool is_known =
-          marked ? inside.at<float>(row, column) > cores[static_cast<std::size_t>(label[column])]
-                 : outside.at<float>(row, column) > reach;
-      // What moves may have lent its flow to a surface without texture.
-      const float certain = marked ? change.at<float>(row, column) / (kTextured * kTextured) : 1.0F;
-      const float weight = is_known ? std::clamp(certain, kUnknown, 1.0F) : kUnknown;
-      to[column] = {marked ? weight : 0.0F, weight};
+      if (is_marked[column] == 0) {
+        to[column] = {0.0F, outside.at<float>(row, column) > reach ? 1.0F : kUnknown};
+      } else if (certain[column][1] > 0.0F) {
+        to[column] = {0.0F, certain[column][1]};
+      } else {
+        const bool is_core = inside.at<float>(row, column) > cores[static_cast<std::size_t>(label[column])];
+        to[column] = cv::Vec2f::all(is_core ? certain[column][0] : kUnknown);
+      }
     }
   }
   return known;
@@ -70,7 +167,7 @@ cv::Mat knownOf(const cv::Mat& mask, const cv::Mat& grey, const cv::Mat& labels,
 
 }  // namespace
 
-void moveBordersToEdges(cv::Mat& mask, const cv::Mat& grey, double reach) {
+void moveBordersToEdges(cv::Mat& mask, const ImagePairInput& pair, double reach) {
   cv::Mat labels, stats, centroids, distances;
   const int regions = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 8, CV_32S);
   if (regions < 2) return;
@@ -85,20 +182,23 @@ void moveBordersToEdges(cv::Mat& mask, const cv::Mat& grey, double reach) {
     }
   }
   for (float& core : cores) core = std::min(kCore * core, static_cast<float>(reach));
+  const cv::Mat certainty = certaintyOf(pair);
   const int margin = static_cast<int>(std::ceil(kSurroundings * reach));
   for (const cv::Rect& box : boxesOf(stats, margin, mask.size())) {
     cv::Mat region = mask(box);
-    const cv::Mat picture = grey(box).clone();
+    const cv::Mat picture = pair.grey(box).clone();
     const cv::Mat known =
-        knownOf(region, picture, labels(box), distances(box), cores, static_cast<float>(reach));
+        knownOf(region, certainty(box), labels(box), distances(box), cores, static_cast<float>(reach));
     cv::Mat spread;
     cv::ximgproc::fastGlobalSmootherFilter(picture, known, spread, kSpread * reach * reach, kEdge);
     for (int row = 0; row < region.rows; ++row) {
-      const auto* from = spread.ptr<cv::Vec2f>(row);
-      const auto* weights = known.ptr<cv::Vec2f>(row);
+      const auto* blurred = spread.ptr<cv::Vec2f>(row);
+      const auto* exact = known.ptr<cv::Vec2f>(row);
       auto* to = region.ptr<std::uint8_t>(row);
-      for (int column = 0; column < region.cols; ++column)
-        if (weights[column][1] < 1.0F) to[column] = from[column][0] > 0.5F * from[column][1] ? 255 : 0;
+      for (int column = 0; column < region.cols; ++column) {
+        const cv::Vec2f& from = exact[column][1] < 1.0F ? blurred[column] : exact[column];
+        to[column] = from[0] > 0.5F * from[1] ? 255 : 0;
+      }
     }
   }
 }

@@ -4,15 +4,20 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "radar_dot/vision/motion_segmentation.h"
+
 namespace radar_dot {
 
 /// Moves the borders of regions to the edges of the image. The flow of what moves reaches over its border by
 /// the size of the patches that flow is made of, most of all over road and sky without texture. So what is
 /// deep inside of a region, or far from all, is taken as it is, and spreads into the band between up to where
-/// the image changes; within regions the more, the more texture there is: the fast global smoother of Min et
-/// al. (IEEE TIP 2014), of the mask over that of one where it is known.
-/// @param mask   CV_8UC1, 0 or 255   @param grey  CV_8UC1, the image that the mask lies on
+/// the image changes: the fast global smoother of Min et al. (IEEE TIP 2014), of the mask over that of one
+/// where it is known. Within regions a pixel counts the more, the more texture there is, and the worse the
+/// second image fits where the static world is expected; where a motion by the flow would show, and does not,
+/// the region is cut.
+/// @param mask   CV_8UC1, 0 or 255, of the pair's first image
+/// @param pair   with `grey`; without `second_grey` the texture alone counts
 /// @param reach  px of the mask, half the width of the band; narrower within small regions
-void moveBordersToEdges(cv::Mat& mask, const cv::Mat& grey, double reach);
+void moveBordersToEdges(cv::Mat& mask, const ImagePairInput& pair, double reach);
 
 }  // namespace radar_dot

@@ -144,6 +144,7 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
     input.flow_valid = pair.flow.valid;
   }
   input.grey = pair.flow.grey;
+  input.second_grey = pair.flow.second_grey;
   input.depth = pair.depth;
   if (!ignored_on_grid_.empty()) {
     input.depth = pair.depth.clone();
@@ -247,8 +248,8 @@ void MaskPipeline::remember(const MaskPair& pair, const MaskOutcome& outcome) {
   previous_ = Previous{pair.first_time, pair.second_time, outcome.input, logOdds(outcome.result)};
   MotionInput& input = previous_->input;
   static_cast<MotionEvidence&>(input) = {};
-  input.flow = input.grey = input.flow_valid = input.fb_error = input.texture_std = input.depth_std =
-      cv::Mat();
+  input.flow = input.grey = input.second_grey = input.flow_valid = input.fb_error = input.texture_std =
+      input.depth_std = cv::Mat();
   input.depth = input.depth.clone();
   input.next_depth = input.next_depth.clone();
   const auto is_used = [&pair](const Backward& backward) { return backward.from <= pair.first_time; };

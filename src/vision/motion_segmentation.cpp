@@ -296,7 +296,7 @@ void MotionSegmenter::Workspace::makeMask(const MotionInput& input, const PassCo
     keepSeeded(input, pass, params.uncertainty);
   morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.cleanup.closing, input.pixel_scale));
   if (params.cleanup.border > 0 && !input.grey.empty())
-    moveBordersToEdges(result.mask, input.grey, params.cleanup.border / input.pixel_scale);
+    moveBordersToEdges(result.mask, input, params.cleanup.border / input.pixel_scale);
   // Closing reaches over excluded pixels, of which nothing is known.
   cv::bitwise_and(result.mask, result.valid, result.mask);
 }
@@ -312,6 +312,7 @@ void requireImages(const MotionInput& input) {
   requireImage(input.depth, CV_32FC1, camera, "depth", "CV_32FC1");
   if (!input.flow_valid.empty()) requireImage(input.flow_valid, CV_8UC1, camera, "flow_valid", "CV_8UC1");
   if (!input.grey.empty()) requireImage(input.grey, CV_8UC1, camera, "grey", "CV_8UC1");
+  if (!input.second_grey.empty()) requireImage(input.second_grey, CV_8UC1, camera, "second_grey", "CV_8UC1");
   for (const auto& [image, name] :
        {std::pair(&input.next_depth, "next_depth"), std::pair(&input.fb_error, "fb_error"),
         std::pair(&input.texture_std, "texture_std"), std::pair(&input.depth_std, "depth_std"),

@@ -15,7 +15,6 @@
 
 #include "backend_registry.h"
 #include "dis_flow.h"
-#include "image_change.h"
 #include "parallel_rows.h"
 #include "vectorised.h"
 #include "warp.h"
@@ -107,9 +106,14 @@ cv::Mat textureStd(const cv::Mat& grey) {
   constexpr double kChange = 2.0;        // grey values from px to px, rms, that leave 1 px
   constexpr double kLeastChange = 0.01;  // of an image without any
   constexpr int kWindows = 26;           // in the width of the image
-  cv::Mat smooth;
+  cv::Mat smooth, change, downwards;
   cv::GaussianBlur(grey, smooth, {}, 0.8);
-  const cv::Mat change = meanSquareChange(smooth, grey.cols / kWindows | 1);
+  cv::Scharr(smooth, change, CV_32F, 1, 0, 1.0 / 32.0);
+  cv::Scharr(smooth, downwards, CV_32F, 0, 1, 1.0 / 32.0);
+  cv::multiply(change, change, change);
+  cv::accumulateSquare(downwards, change);
+  const int window = grey.cols / kWindows | 1;
+  cv::boxFilter(change, change, -1, {window, window});
   cv::Mat stds(change.size(), CV_32FC1);
   parallelRows(stds.rows, [&](int row) {
     const float* from = change.ptr<float>(row);

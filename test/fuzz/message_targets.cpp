@@ -166,11 +166,11 @@ void fuzzFlow(const std::uint8_t* data, std::size_t size) {
   Flow flow;
   flow.image_width = input.number<std::uint32_t>();
   flow.image_height = input.number<std::uint32_t>();
-  for (sensor_msgs::Image* image : {&flow.valid, &flow.fb_error, &flow.grey, &flow.flow})
+  for (sensor_msgs::Image* image : {&flow.valid, &flow.fb_error, &flow.grey, &flow.second_grey, &flow.flow})
     *image = imageOf(input);
   // One after the other, each as long as it says, as far as the input goes.
   std::string_view rest = input.rest();
-  for (sensor_msgs::Image* image : {&flow.valid, &flow.fb_error, &flow.grey, &flow.flow}) {
+  for (sensor_msgs::Image* image : {&flow.valid, &flow.fb_error, &flow.grey, &flow.second_grey, &flow.flow}) {
     const std::string_view pixels = rest.substr(0, static_cast<std::uint64_t>(image->step) * image->height);
     image->data.assign(pixels.begin(), pixels.end());
     rest.remove_prefix(pixels.size());

@@ -334,6 +334,7 @@ MaskPair pairOf() {
   pair.flow.grey = cv::Mat(90, 160, CV_8UC1);
   cv::theRNG().state = 1;
   cv::randu(pair.flow.grey, 0, 255);  // texture everywhere
+  pair.flow.second_grey = pair.flow.grey;
   return pair;
 }
 

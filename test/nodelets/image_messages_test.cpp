@@ -478,11 +478,13 @@ TEST(FlowMessage, RoundTripWithClosure) {
   field.fb_error = cv::Mat(field.flow.size(), CV_32FC1, cv::Scalar(0.25));
   field.fb_error.at<float>(4, 7) = 3.5F;
   field.grey = cv::Mat(field.flow.size(), CV_8UC1, cv::Scalar(7));
+  field.second_grey = cv::Mat(field.flow.size(), CV_8UC1, cv::Scalar(8));
   const FlowPtr message = flowMessage({}, {}, field, {1600, 900});
   EXPECT_EQ(message->fb_error.encoding, "32FC1");
   const FlowField read = flowOf(*message);
   EXPECT_TRUE(equalBytes(read.fb_error, field.fb_error));
   EXPECT_TRUE(equalBytes(read.grey, field.grey));
+  EXPECT_TRUE(equalBytes(read.second_grey, field.second_grey));
   EXPECT_TRUE(read.valid.empty());
   EXPECT_TRUE(flowOf(*flowMessage({}, {}, flowField(), {1600, 900})).fb_error.empty());
 }
@@ -514,6 +516,7 @@ TEST(FlowOf, RefusesWhatContradictsItself) {
   expectRefused([](Flow& m) { m.fb_error.encoding = "mono8"; }, {"fb_error", "'mono8'", "32FC1"});
   expectRefused([](Flow& m) { m.fb_error = *imageOf("32FC1", 4, 16, 8); }, {"fb_error", "16 x 8", "16 x 9"});
   expectRefused([](Flow& m) { m.grey = *imageOf("mono8", 1, 16, 8); }, {"grey", "16 x 8"});
+  expectRefused([](Flow& m) { m.second_grey = *imageOf("mono8", 1, 16, 8); }, {"second_grey", "16 x 8"});
   expectRefused([](Flow& m) { m.image_height = 1200; }, {"16 x 9", "1600 x 1200"});
   expectRefused([](Flow& m) { m.image_width = m.image_height = 0; }, {"0 x 0"});
   expectRefused([](Flow& m) { m.image_width = m.image_height = 0xFFFFFFFF; }, {"16 x 9"});

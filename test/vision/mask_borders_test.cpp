@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -39,6 +40,16 @@ void addDots(cv::Mat& grey, int by, const cv::Mat& mask) {
             static_cast<std::uint8_t>(grey.at<std::uint8_t>(row, column) + by);
 }
 
+/// Of a camera that stands.
+ImagePairInput pairOf(const cv::Mat& grey) {
+  ImagePairInput pair;
+  pair.camera = CameraIntrinsics{200.0, 200.0, 159.5, 89.5, kSize.width, kSize.height};
+  pair.depth = cv::Mat(kSize, CV_32FC1, cv::Scalar(20.0));
+  pair.flow = cv::Mat(kSize, CV_32FC2, cv::Scalar::all(0.0));
+  pair.grey = grey;
+  return pair;
+}
+
 double overlap(const cv::Mat& a, const cv::Mat& b) {
   return static_cast<double>(cv::countNonZero(a & b)) / cv::countNonZero(a | b);
 }
@@ -49,7 +60,7 @@ TEST(MaskBorders, MoveToTheEdgesOfWhatIsSeen) {
   for (const cv::Mat& blurred : {disc({160, 90}, 40), disc({165, 95}, 38), disc({160, 90}, 24)}) {
     ASSERT_LT(overlap(blurred, truth), 0.68);
     cv::Mat mask = blurred.clone();
-    moveBordersToEdges(mask, grey, kReach);
+    moveBordersToEdges(mask, pairOf(grey), kReach);
     EXPECT_GT(overlap(mask, truth), 0.95);
   }
 }
@@ -58,7 +69,7 @@ TEST(MaskBorders, WithTextureButWithoutEdgesTheCoreStays) {
   const cv::Mat flow = disc({160, 90}, 40);
   cv::Mat mask = flow.clone(), grey = picture(flow, 100, 100);
   addDots(grey, 40, cv::Mat(kSize, CV_8UC1, cv::Scalar(255)));
-  moveBordersToEdges(mask, grey, kReach);
+  moveBordersToEdges(mask, pairOf(grey), kReach);
   EXPECT_EQ(cv::countNonZero(disc({160, 90}, 27) & ~mask), 0);
   EXPECT_EQ(cv::countNonZero(mask & ~disc({160, 90}, 40 + static_cast<int>(kReach))), 0);
 }
@@ -74,16 +85,55 @@ TEST(MaskBorders, WhatMovesLendsItsFlowToSurfacesWithoutTexture) {
   cv::Mat with_pattern_on_road = grey.clone();
   addDots(with_pattern_on_road, 40, ~car);
   cv::Mat kept = mask.clone();
-  moveBordersToEdges(mask, grey, kReach);
+  moveBordersToEdges(mask, pairOf(grey), kReach);
   EXPECT_GT(overlap(mask, car), 0.85);
-  moveBordersToEdges(kept, with_pattern_on_road, kReach);
+  moveBordersToEdges(kept, pairOf(with_pattern_on_road), kReach);
   EXPECT_GT(cv::countNonZero(kept(cv::Rect(170, 85, 15, 20))), 250);  // of 300
+}
+
+// The flow says that a car and the road beside it move by 3 px. Both have texture.
+TEST(MaskBorders, WhereTheSecondImageShowsTheFirstNothingMoves) {
+  const cv::Mat car = disc({120, 90}, 28), marked = car.clone();
+  marked(cv::Rect(120, 75, 90, 40)).setTo(255);
+  cv::Mat pattern(kSize, CV_8UC1), moved_pattern;
+  cv::theRNG().state = 3;
+  cv::randu(pattern, 0, 120);
+  cv::GaussianBlur(pattern, pattern, {5, 5}, 1.2);
+  const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, 3, 0, 1, 0);
+  cv::warpAffine(pattern, moved_pattern, shift, kSize);
+  const cv::Mat none = cv::Mat::zeros(kSize, CV_8UC1);
+  ImagePairInput pair = pairOf(picture(none, 0, 80) + pattern);
+  pair.grey += picture(none, 0, 60) & car;  // a car that is brighter
+  pair.flow.setTo(cv::Scalar(3.0, 0.0), marked);
+  const auto second = [&](const cv::Mat& what_moves, int brighter) {
+    cv::Mat moved;
+    cv::warpAffine(pair.grey & what_moves, moved, shift, kSize);
+    cv::Mat to = pair.grey.clone();
+    moved.copyTo(to, moved > 0);
+    cv::Mat noise(kSize, CV_8UC1);
+    cv::randn(noise, 8.0, 1.5);
+    return cv::Mat(to + noise - 8 + brighter);
+  };
+  const auto cut = [&](const cv::Mat& second_grey) {
+    pair.second_grey = second_grey;
+    cv::Mat mask = marked.clone();
+    moveBordersToEdges(mask, pair, kReach);
+    return mask;
+  };
+  const cv::Rect road(170, 85, 30, 20);
+  for (const int brighter : {0, 10}) {
+    const cv::Mat mask = cut(second(car, brighter));
+    EXPECT_GT(overlap(mask, car), 0.85);
+    EXPECT_EQ(cv::countNonZero(mask(road)), 0);
+  }
+  EXPECT_GT(cv::countNonZero(cut(second(marked, 0))(road)), 500);  // of 600
+  EXPECT_GT(cv::countNonZero(cut({})(road)), 500);
 }
 
 TEST(MaskBorders, WhatIsSmallIsKept) {
   const cv::Mat truth = disc({100, 50}, 3);
   cv::Mat mask = disc({100, 50}, 5);
-  moveBordersToEdges(mask, picture(truth, 40, 120), kReach);
+  moveBordersToEdges(mask, pairOf(picture(truth, 40, 120)), kReach);
   EXPECT_GT(overlap(mask, truth), 0.8);
 }
 
@@ -91,8 +141,8 @@ TEST(MaskBorders, RegionsFarApartDoNotTouchEachOther) {
   const cv::Mat left = disc({50, 90}, 20), right = disc({270, 60}, 25);
   const cv::Mat grey = picture(left | right, 60, 120);
   cv::Mat alone = disc({50, 90}, 26), both = alone | disc({270, 60}, 33);
-  moveBordersToEdges(alone, grey, kReach);
-  moveBordersToEdges(both, grey, kReach);
+  moveBordersToEdges(alone, pairOf(grey), kReach);
+  moveBordersToEdges(both, pairOf(grey), kReach);
   EXPECT_EQ(cv::norm(both.colRange(0, 160), alone.colRange(0, 160), cv::NORM_INF), 0.0);
   EXPECT_GT(overlap(both, left | right), 0.97);
 }
@@ -100,8 +150,8 @@ TEST(MaskBorders, RegionsFarApartDoNotTouchEachOther) {
 TEST(MaskBorders, NothingAndEverythingStay) {
   const cv::Mat grey = picture(disc({160, 90}, 30), 60, 120);
   cv::Mat nothing = cv::Mat::zeros(kSize, CV_8UC1), everything(kSize, CV_8UC1, cv::Scalar(255));
-  moveBordersToEdges(nothing, grey, kReach);
-  moveBordersToEdges(everything, grey, kReach);
+  moveBordersToEdges(nothing, pairOf(grey), kReach);
+  moveBordersToEdges(everything, pairOf(grey), kReach);
   EXPECT_EQ(cv::countNonZero(nothing), 0);
   EXPECT_EQ(cv::countNonZero(everything), kSize.area());
 }
@@ -110,9 +160,7 @@ TEST(MaskBorders, NothingAndEverythingStay) {
 TEST(MaskBorders, AreMovedByTheSegmenterWhereThereIsAnImage) {
   const cv::Rect square(140, 70, 40, 40);
   MotionInput input;
-  input.camera = CameraIntrinsics{200.0, 200.0, 159.5, 89.5, kSize.width, kSize.height};
-  input.depth = cv::Mat(kSize, CV_32FC1, cv::Scalar(20.0));
-  input.flow = cv::Mat(kSize, CV_32FC2, cv::Scalar::all(0.0));
+  static_cast<ImagePairInput&>(input) = pairOf({});
   input.flow(cv::Rect(132, 62, 56, 56)).setTo(cv::Scalar(6.0, 0.0));
   cv::Mat truth = cv::Mat::zeros(kSize, CV_8UC1);
   truth(square).setTo(255);

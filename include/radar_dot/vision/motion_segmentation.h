@@ -174,11 +174,12 @@ struct ImagePairInput {
   double pixel_scale = 1.0;  ///< px of the full image per px of the grid
   Eigen::Isometry3d T_current_from_previous = Eigen::Isometry3d::Identity();  ///< staticPointMotion, m
   double duration = 0.0;                                                      ///< s, from t-1 to t
-  cv::Mat flow;        ///< CV_32FC2, px of the grid, from t-1 to t; NaN = unknown
-  cv::Mat flow_valid;  ///< CV_8UC1, 0 = unreliable; empty: all are reliable
-  cv::Mat grey;        ///< CV_8UC1, the image at t-1; empty: borders stay where the flow has them
-  cv::Mat depth;       ///< CV_32FC1, m, at t-1 (the paper's D_{t-1}); NaN, 0 or less = unknown
-  cv::Mat next_depth;  ///< CV_32FC1, m, at t (the paper's D_t); empty: no depth residual anywhere
+  cv::Mat flow;         ///< CV_32FC2, px of the grid, from t-1 to t; NaN = unknown
+  cv::Mat flow_valid;   ///< CV_8UC1, 0 = unreliable; empty: all are reliable
+  cv::Mat grey;         ///< CV_8UC1, the image at t-1; empty: borders stay where the flow has them
+  cv::Mat second_grey;  ///< CV_8UC1, the image at t; empty: not compared with the first
+  cv::Mat depth;        ///< CV_32FC1, m, at t-1 (the paper's D_{t-1}); NaN, 0 or less = unknown
+  cv::Mat next_depth;   ///< CV_32FC1, m, at t (the paper's D_t); empty: no depth residual anywhere
   /// Where depth is drawn by little knowledge: what is static may as well lie anywhere before this plane.
   /// None: depth is measured.
   std::optional<GroundPlane> ground;

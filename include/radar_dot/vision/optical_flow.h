@@ -25,6 +25,7 @@ struct FlowField {
   /// CV_8UC1 of the same size: the first image, for those who want to know what the flow was seen on. May be
   /// the image itself. Empty where the flow comes from no images.
   cv::Mat grey = {};
+  cv::Mat second_grey = {};  ///< the second image, as `grey`
   /// CV_32FC2, px OF THIS GRID: from the second image to the first. Empty without forward_backward.
   cv::Mat backward = {};
   double backward_seconds = 0.0;  ///< that the way back and its comparison took

@@ -23,7 +23,7 @@ constexpr double kPeriod = 0.05;  // s, how often the audience and what waits ar
 constexpr std::uint32_t kTwistQueue = 20;
 constexpr std::uint32_t kCloudQueue = 20;
 constexpr double kImagePeriod = 3.0;    // s, how often silent images are looked for
-constexpr double kMemoryPeriod = 60.0;  // s, how often unused memory goes back to the system
+constexpr double kMemoryPeriod = 10.0;  // s, how often unused memory goes back to the system
 
 /// Nodelets start side by side, but what plugins and parameters are read with is not made for that; and
 /// roscpp connects a publisher and a subscriber of one process twice where one is made while the other is.

@@ -249,6 +249,7 @@ FlowField flowOf(const Flow& message) {
   field.valid = companionOf(field.flow, message.valid, encodings::MONO8, "valid");
   field.fb_error = companionOf(field.flow, message.fb_error, encodings::TYPE_32FC1, "fb_error");
   field.grey = companionOf(field.flow, message.grey, encodings::MONO8, "grey");
+  field.second_grey = companionOf(field.flow, message.second_grey, encodings::MONO8, "second_grey");
   return field;
 }
 
@@ -270,6 +271,7 @@ FlowPtr flowMessage(const std_msgs::Header& header, const ros::Time& second_stam
   if (!field.valid.empty()) fill(message->valid, header, encodings::MONO8, field.valid);
   if (!field.fb_error.empty()) fill(message->fb_error, header, encodings::TYPE_32FC1, field.fb_error);
   if (!field.grey.empty()) fill(message->grey, header, encodings::MONO8, field.grey);
+  if (!field.second_grey.empty()) fill(message->second_grey, header, encodings::MONO8, field.second_grey);
   return message;
 }
 
