@@ -234,7 +234,9 @@ void SceneRunner::evaluate(const ImagePair& pair, const cv::Mat& truth, const cv
     creeping = resizeNearest(creeping_->shownBy(pair.first), truth.size());
   }
   mask = resizeNearest(mask, truth.size());
-  count(mask, truth, ignored, creeping, report.pixels);
+  Confusion of_pair;
+  count(mask, truth, ignored, creeping, of_pair);
+  report.addPair(of_pair);
   if (!people.empty()) {
     Confusion of_people;
     count(mask, people, ignored, {}, of_people);

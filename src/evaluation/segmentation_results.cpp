@@ -193,6 +193,7 @@ std::string formatTable(const Comparison& comparison) {
   for (const SegmentationReport& scene : comparison.results.front().scenes)
     columns.push_back({scene.scene, 12, "iou/" + scene.scene});
   for (const Column& column : {Column{"Overall", 10, "iou"},
+                               {"+-", 8, "iou_error"},
                                {"Precision", 10, "precision"},
                                {"Recall", 10, "recall"},
                                {"F1", 10, "f1"},

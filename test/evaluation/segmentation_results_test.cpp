@@ -21,7 +21,7 @@ SegmentationReport report(const std::string& scene, std::size_t tp, std::size_t 
   SegmentationReport result;
   result.scene = scene;
   result.frames = 3;
-  result.pixels = {tp, fp, fn, tn};
+  result.addPair({tp, fp, fn, tn});
   result.seconds = 0.24;
   result.velocity_error = {0.75, 3};
   return result;
@@ -70,6 +70,24 @@ TEST(SegmentationReport, FiguresByHand) {
   EXPECT_TRUE(std::isnan(report("a", 0, 0, 0, 9).iou()));
   EXPECT_DOUBLE_EQ(result.velocity_error.value(), 0.25);
   EXPECT_TRUE(std::isnan(SegmentationReport().velocity_error.value()));
+}
+
+// Of two pairs, one found and one not: the standard error of the mean of 0 and 1.
+TEST(SegmentationReport, ErrorOfTheIntersectionOverUnionByHand) {
+  const auto of = [](const std::vector<Confusion>& pairs) {
+    SegmentationReport result;
+    result.frames = pairs.size();
+    for (const Confusion& pair : pairs) result.addPair(pair);
+    return result;
+  };
+  const SegmentationReport uneven = of({{0, 4, 6, 90}, {10, 0, 0, 90}});
+  EXPECT_DOUBLE_EQ(uneven.iou(), 0.5);
+  EXPECT_NEAR(uneven.iouError(), 0.5, 1e-12);
+  EXPECT_NEAR(of({{1, 1, 0, 0}, {20, 0, 20, 0}, {300, 200, 100, 0}}).iouError(), 0.0, 1e-9);
+  EXPECT_TRUE(std::isnan(of({{1, 1, 0, 0}}).iouError()));
+  SegmentationReport twice = uneven;
+  twice += uneven;  // as of two files
+  EXPECT_NEAR(twice.iouError(), std::sqrt(100.0 * 4 / 3) / 40, 1e-12);
 }
 
 // A large scene and a small one: the mean of 0.9 and 0.1 would be 0.5.
@@ -199,11 +217,13 @@ TEST(Ablation, TheTableHasScenesAsColumns) {
   const std::string table = formatTable(
       comparison(Variants::kAblation, {report("scene-0001", 30, 60, 10, 100), report("b", 10, 20, 10, 100)}));
   EXPECT_NE(
-      table.find("  scene-0001           b   Overall Precision    Recall        F1      FP %   mask ms\n"),
+      table.find(
+          "  scene-0001           b   Overall      +- Precision    Recall        F1      FP %   mask ms\n"),
       std::string::npos)
       << table;
-  EXPECT_NE(table.find("\npaper                    0.300       0.250     0.286     0.333     0.667     0.444"
-                       "     28.57      80.0\n"),
+  EXPECT_NE(table.find(
+                "\npaper                    0.300       0.250     0.286   0.016     0.333     0.667     0.444"
+                "     28.57      80.0\n"),
             std::string::npos)
       << table;
 }

@@ -59,6 +59,8 @@ struct SegmentationReport {
   std::size_t frames = 0;          ///< pairs
   std::size_t without_motion = 0;  ///< of them, refused by the velocity estimator: their mask is empty
   Confusion pixels;
+  /// px^4, sums over the pairs of products of intersection and union of mask and truth, for iouError
+  double intersection_squared = 0.0, intersection_by_union = 0.0, union_squared = 0.0;
   std::size_t people_pixels = 0, people_found = 0;  ///< of people who move; found: in the mask
   double seconds = 0.0;                             ///< of the fused mask computation, summed over the pairs
   /// m/s, over the pairs with an estimate: |v - v_true| in the plane, v_true as PoseTrack::meanVelocity of
@@ -66,8 +68,13 @@ struct SegmentationReport {
   /// Empty with velocity "ground_truth".
   Mean velocity_error;
 
-  double iou() const;                 ///< TP / (TP + FP + FN); NaN when there is neither mask nor truth
-  double falsePositiveShare() const;  ///< FP / (FP + TN): of the pixels that do not move
+  double iou() const;  ///< TP / (TP + FP + FN); NaN when there is neither mask nor truth
+  /// 1 sigma of iou() as one of pairs that are independent of each other, by linearisation of a ratio of sums
+  /// (Cochran, Sampling Techniques, 1977, eq. 6.13): what a bootstrap over the pairs gives. NaN for less than
+  /// two.
+  double iouError() const;
+  double falsePositiveShare() const;       ///< FP / (FP + TN): of the pixels that do not move
+  void addPair(const Confusion& of_pair);  ///< to the pixels and their products
   /// "velocity_error" is m/s, "seconds" and "velocity_error_sum" are sums.
   void describe(Figures& figures);
 };
