@@ -19,6 +19,7 @@
 #include "fixtures/nuscenes_fixture.h"
 #include "fixtures/tool_run.h"
 #include "radar_dot/dataset/tables.h"
+#include "radar_dot/evaluation/segmentation_evaluation.h"
 
 namespace radar_dot {
 namespace {
@@ -251,12 +252,12 @@ TEST_F(Evaluators, ACameraWithoutTruthIsNotScored) {
 }
 
 TEST_F(Evaluators, MergedReportsTellWhatWasLeftOutOfThem) {
-  const std::string scene =
-      R"("scenes": [{"scene": "scene-0002", "sums": "1 0 1 0 0 0 0 0 0 0x0p+0 0x0p+0"}]})";
+  evaluation::SegmentationReport scene;
+  scene.scene = "scene-0002";
   const fs::path one = folder_.path() / "one.json", two = folder_.path() / "two.json";
   test::writeFile(
       one, "{\"left_out\": {\"scene-0002\": \"was broken\", \"scene-0003\": \"is broken\"}, \"scenes\": []}");
-  test::writeFile(two, "{" + scene);
+  test::writeFile(two, evaluation::formatJson(std::vector{scene}, scene));
   const Outcome merged =
       runTool("evaluate_segmentation", fmt::format("--merge {},{}", one.string(), two.string()) + files());
   EXPECT_EQ(merged.exit_code, 3) << merged.text;
