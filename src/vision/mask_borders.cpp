@@ -101,16 +101,26 @@ cv::Mat structureOf(const cv::Mat& grey) {
   return structure;
 }
 
-/// How certain the images make it that a marked pixel moves, and that it stands: CV_32FC2, 0 to 1. What
-/// moves lends its flow to surfaces without texture, whose pixels look as if they stood as well.
-cv::Mat certaintyOf(const ImagePairInput& pair) {
-  const cv::Mat structure = structureOf(pair.grey);
+/// Flow of a static world, of a part of the grid.
+cv::Mat expectedIn(const ImagePairInput& pair, const cv::Rect& box) {
+  CameraIntrinsics camera = pair.camera;
+  camera.cx -= box.x;
+  camera.cy -= box.y;
+  camera.width = box.width;
+  camera.height = box.height;
+  return expectedFlow(camera, pair.T_current_from_previous, pair.depth(box));
+}
+
+/// How certain the images make it that a marked pixel moves, and that it stands: CV_32FC2, 0 to 1, within the
+/// box. What moves lends its flow to surfaces without texture, whose pixels look as if they stood as well.
+/// @param difference  as of differenceBy, where there is a second image
+cv::Mat certaintyOf(const ImagePairInput& pair, const ImageDifference& difference, const cv::Rect& box) {
+  const cv::Mat grey = pair.grey(box), flow = pair.flow(box), structure = structureOf(grey);
   cv::Mat certainty(structure.size(), CV_32FC2), expected, unexplained;
-  ImageDifference difference;
   if (!pair.second_grey.empty()) {
-    difference = differenceBy(pair);
-    expected = expectedFlow(pair.camera, pair.T_current_from_previous, pair.depth);
-    cv::subtract(warpedBack(pair.second_grey, expected), pair.grey, unexplained, cv::noArray(), CV_32F);
+    expected = expectedIn(pair, box);
+    const cv::Scalar corner(box.x, box.y);
+    cv::subtract(warpedBack(pair.second_grey, expected + corner), grey, unexplained, cv::noArray(), CV_32F);
     cv::subtract(unexplained, difference.offset, unexplained);
     cv::multiply(unexplained, unexplained, unexplained);
     cv::boxFilter(unexplained, unexplained, -1, {kWindow, kWindow});
@@ -122,7 +132,7 @@ cv::Mat certaintyOf(const ImagePairInput& pair) {
       const float across = change[column][0], both = change[column][1], down = change[column][2];
       float moves = across + down, stands = 0.0F;
       if (!expected.empty()) {
-        cv::Vec2f motion = pair.flow.at<cv::Vec2f>(row, column) - expected.at<cv::Vec2f>(row, column);
+        cv::Vec2f motion = flow.at<cv::Vec2f>(row, column) - expected.at<cv::Vec2f>(row, column);
         motion *= std::min(1.0F, kLinear / std::sqrt(motion.dot(motion)));
         const float left = unexplained.at<float>(row, column);
         // A stripe does not show that it moves along itself.
@@ -182,13 +192,13 @@ void moveBordersToEdges(cv::Mat& mask, const ImagePairInput& pair, double reach)
     }
   }
   for (float& core : cores) core = std::min(kCore * core, static_cast<float>(reach));
-  const cv::Mat certainty = certaintyOf(pair);
+  const ImageDifference difference = pair.second_grey.empty() ? ImageDifference{} : differenceBy(pair);
   const int margin = static_cast<int>(std::ceil(kSurroundings * reach));
   for (const cv::Rect& box : boxesOf(stats, margin, mask.size())) {
     cv::Mat region = mask(box);
     const cv::Mat picture = pair.grey(box).clone();
-    const cv::Mat known =
-        knownOf(region, certainty(box), labels(box), distances(box), cores, static_cast<float>(reach));
+    const cv::Mat known = knownOf(region, certaintyOf(pair, difference, box), labels(box), distances(box),
+                                  cores, static_cast<float>(reach));
     cv::Mat spread;
     cv::ximgproc::fastGlobalSmootherFilter(picture, known, spread, kSpread * reach * reach, kEdge);
     for (int row = 0; row < region.rows; ++row) {
