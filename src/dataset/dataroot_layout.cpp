@@ -16,13 +16,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// Those that are needed.
 constexpr std::string_view kTables[] = {
-    "attribute", "calibrated_sensor", "category",    "ego_pose", "instance", "log",       "map",
-    "sample",    "sample_annotation", "sample_data", "scene",    "sensor",   "visibility"};
+    "attribute", "calibrated_sensor", "category",    "ego_pose", "instance",
+    "sample",    "sample_annotation", "sample_data", "scene",    "sensor"};
 constexpr std::size_t kMaxNames = 50;
-
-/// Nothing in the package needs what they say.
-bool isOptional(std::string_view table) { return table == "log" || table == "map" || table == "visibility"; }
 
 /// Versions in a dataroot: its folders with a scene table.
 std::vector<std::string> versionsIn(const fs::path& dataroot) {
@@ -49,7 +47,6 @@ void requireTables(const fs::path& dataroot, const std::string& version, bool wi
     throw DatasetError(fmt::format("dataroot {} holds no version '{}'; versions there: {}", dataroot.string(),
                                    version, sortedList(versionsIn(dataroot))));
   for (const std::string_view table : kTables) {
-    if (isOptional(table)) continue;
     if (!with_annotations && (table == "instance" || table == "sample_annotation")) continue;
     const std::string file = fmt::format("{}/{}.json", version, table);
     if (!fs::exists(dataroot / file))

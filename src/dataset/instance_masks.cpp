@@ -18,7 +18,7 @@ namespace {
 constexpr int kMaxSide = 1 << 15;  ///< px
 constexpr std::size_t kMinPolygonNumbers = 6;
 
-enum { kToken, kSampleData, kFilename, kBox, kCategory, kMask, kAttributes, kInstance, kVisibility };
+enum { kToken, kSampleData, kFilename, kBox, kCategory, kMask, kAttributes };
 
 std::filesystem::path maskFile(const Tables& tables) {
   return tables.dataroot() / tables.version() / "nuinsseg.json";
@@ -155,7 +155,7 @@ std::vector<InstanceMask> readInstanceMasks(Tables& tables, const std::filesyste
   std::string reason;
   readRecords(source, label,
               {"token", "sample_data_token", "filename", "bbox_corners", "category_name", "instance_mask",
-               "attribute_tokens", "instance_token", "visibility_token"},
+               "attribute_tokens"},
               [&](const Record& record) {
                 const Token reading = tables.tokens.find(record.text(kSampleData));
                 if (tables.findReading(reading) == kNone) return;
@@ -167,9 +167,6 @@ std::vector<InstanceMask> readInstanceMasks(Tables& tables, const std::filesyste
                 row.category_name = record.text(kCategory);
                 for (const std::string_view token : record.texts(kAttributes))
                   row.attribute_tokens.push_back(tables.tokens.intern(token));
-                row.instance_token = tables.tokens.intern(record.text(kInstance));
-                if (record.has(kVisibility))
-                  row.visibility_token = tables.tokens.intern(record.text(kVisibility));
                 const SampleData& image = at(tables.sample_data, tables.findReading(reading));
                 row.image = {image.width, image.height};
                 try {

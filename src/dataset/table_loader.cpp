@@ -41,7 +41,7 @@ class TableLoader {
   Tables load() {
     requireTables(tables_.dataroot_, tables_.version_, options_.annotations);
     readSensors();
-    readLogsAndMaps();
+    readLogs();
     readScenes();
     readSamples();
     readSampleData();
@@ -136,50 +136,26 @@ class TableLoader {
     return matrix;
   }
 
-  void readLogsAndMaps() {
-    enum { kToken, kLogfile, kVehicle, kDate, kLocation };
-    logs_ = readTable("log", {"token", "logfile", "vehicle", "date_captured", "location"}, tables_.logs,
-                      [](const Record& record, Log& row) {
-                        row.logfile = optionalText(record, kLogfile);
-                        row.vehicle = optionalText(record, kVehicle);
-                        row.date_captured = optionalText(record, kDate);
-                        row.location = optionalText(record, kLocation);
-                        return true;
-                      });
-    enum { kSelf, kCategory, kFilename, kLogs };
-    readTable("map", {"token", "category", "filename", "log_tokens"}, tables_.maps,
-              [&](const Record& record, Map& row) {
-                row.category = optionalText(record, kCategory);
-                row.filename = optionalText(record, kFilename);
-                if (!record.has(kLogs)) return true;
-                for (const std::string_view token : record.texts(kLogs)) {
-                  // A map serves the whole city: parts of the dataset do not hold all of its logs.
-                  const Index log = logs_.find(tables_.tokens.find(token));
-                  if (log != kNone) row.logs.push_back(log);
-                }
-                return true;
-              });
+  void readLogs() {
+    logs_ = readTable("log", {"token", "vehicle"}, tables_.logs, [](const Record& record, Log& row) {
+      if (record.has(1)) row.vehicle = record.text(1);
+      return true;
+    });
   }
 
   void readScenes() {
-    enum { kToken, kName, kDescription, kLog, kFirst, kLast, kCount };
+    enum { kToken, kName, kLog };
     std::vector<std::string> names;
-    scenes_ = readTable("scene",
-                        {"token", "name", "description", "log_token", "first_sample_token",
-                         "last_sample_token", "nbr_samples"},
-                        tables_.scenes, [&](const Record& record, Scene& row) {
-                          row.name = record.text(kName);
-                          names.push_back(row.name);
-                          if (filtering() && std::find(options_.scenes.begin(), options_.scenes.end(),
-                                                       row.name) == options_.scenes.end())
-                            return false;
-                          row.description = optionalText(record, kDescription);
-                          if (!tables_.logs.empty()) row.log = reference(record, kLog, logs_);
-                          row.sample_count = count(record, kCount);
-                          remember(first_samples_, record, kFirst);
-                          remember(last_samples_, record, kLast);
-                          return true;
-                        });
+    scenes_ = readTable(
+        "scene", {"token", "name", "log_token"}, tables_.scenes, [&](const Record& record, Scene& row) {
+          row.name = record.text(kName);
+          names.push_back(row.name);
+          if (filtering() &&
+              std::find(options_.scenes.begin(), options_.scenes.end(), row.name) == options_.scenes.end())
+            return false;
+          if (!tables_.logs.empty()) row.log = reference(record, kLog, logs_);
+          return true;
+        });
     for (const std::string& name : options_.scenes)
       if (std::find(names.begin(), names.end(), name) == names.end())
         throw DatasetError(
@@ -187,36 +163,29 @@ class TableLoader {
   }
 
   void readSamples() {
-    enum { kToken, kTimestamp, kScene, kPrevious, kNext };
-    PendingColumn previous{"prev", {}}, next{"next", {}};
-    samples_ = readTable("sample", {"token", "timestamp", "scene_token", "prev", "next"}, tables_.samples,
+    enum { kToken, kTimestamp, kScene };
+    samples_ = readTable("sample", {"token", "timestamp", "scene_token"}, tables_.samples,
                          [&](const Record& record, Sample& row) {
                            if (isOfOtherScene(record, kScene, scenes_)) return false;
                            row.scene = reference(record, kScene, scenes_);
                            row.timestamp_us = record.integer(kTimestamp);
-                           remember(previous, record, kPrevious);
-                           remember(next, record, kNext);
                            return true;
                          });
-    resolve(tables_.samples, &Sample::previous, previous, samples_, samples_, tables_.tokens);
-    resolve(tables_.samples, &Sample::next, next, samples_, samples_, tables_.tokens);
-    resolve(tables_.scenes, &Scene::first_sample, first_samples_, scenes_, samples_, tables_.tokens);
-    resolve(tables_.scenes, &Scene::last_sample, last_samples_, scenes_, samples_, tables_.tokens);
   }
 
   void readSampleData() {
-    enum { kToken, kSample, kPose, kMount, kTime, kKeyFrame, kHeight, kWidth, kFilename, kPrevious, kNext };
-    PendingColumn previous{"prev", {}}, next{"next", {}};
+    enum { kToken, kSample, kPose, kMount, kTime, kKeyFrame, kHeight, kWidth, kFilename, kPrevious };
+    PendingColumn previous{"prev", {}};
     if (!filtering()) {
       const std::size_t bytes = fs::file_size(file("sample_data"));
       const std::size_t rows = bytes / kShortestReading;
-      for (PendingColumn* column : {&poses_of_readings_, &previous, &next}) column->tokens.reserve(rows);
+      for (PendingColumn* column : {&poses_of_readings_, &previous}) column->tokens.reserve(rows);
       tables_.sample_data.reserve(rows);
       tables_.filenames_.reserve(bytes / kFilenameShare);
     }
     readings_ = readTable("sample_data",
                           {"token", "sample_token", "ego_pose_token", "calibrated_sensor_token", "timestamp",
-                           "is_key_frame", "height", "width", "filename", "prev", "next"},
+                           "is_key_frame", "height", "width", "filename", "prev"},
                           tables_.sample_data, [&](const Record& record, SampleData& row) {
                             if (isOfOtherScene(record, kSample, samples_)) return false;
                             row.sample = reference(record, kSample, samples_);
@@ -228,11 +197,9 @@ class TableLoader {
                             keepFilename(record, kFilename, row);
                             remember(poses_of_readings_, record, kPose);
                             remember(previous, record, kPrevious);
-                            remember(next, record, kNext);
                             return true;
                           });
     resolve(tables_.sample_data, &SampleData::previous, previous, readings_, readings_, tables_.tokens);
-    resolve(tables_.sample_data, &SampleData::next, next, readings_, readings_, tables_.tokens);
   }
 
   void readEgoPoses() {
@@ -255,77 +222,48 @@ class TableLoader {
   }
 
   void readNames() {
-    categories_ = readNames("category", "name", tables_.categories, &Category::name);
-    attributes_ = readNames("attribute", "name", tables_.attributes, &Attribute::name);
-    visibilities_ = readNames("visibility", "level", tables_.visibilities, &Visibility::level);
-  }
-
-  template <typename Row>
-  TableSource<Row> readNames(std::string_view table, std::string_view field, std::vector<Row>& rows,
-                             std::string Row::*name) {
-    return readTable(table, {"token", field}, rows, [name](const Record& record, Row& row) {
-      row.*name = record.text(1);
+    const auto read_name = [](const Record& record, auto& row) {
+      row.name = record.text(1);
       return true;
-    });
+    };
+    categories_ = readTable("category", {"token", "name"}, tables_.categories, read_name);
+    attributes_ = readTable("attribute", {"token", "name"}, tables_.attributes, read_name);
   }
 
   void readAnnotations() {
-    enum {
-      kToken,
-      kSample,
-      kInstance,
-      kVisibility,
-      kAttributes,
-      kTranslation,
-      kSize,
-      kRotation,
-      kPrevious,
-      kNext,
-      kLidarPoints,
-      kRadarPoints
-    };
+    enum { kToken, kSample, kInstance, kAttributes, kTranslation, kSize, kRotation, kPrevious, kNext };
     PendingColumn previous{"prev", {}}, next{"next", {}};
-    annotations_ =
-        readTable("sample_annotation",
-                  {"token", "sample_token", "instance_token", "visibility_token", "attribute_tokens",
-                   "translation", "size", "rotation", "prev", "next", "num_lidar_pts", "num_radar_pts"},
-                  tables_.annotations, [&](const Record& record, SampleAnnotation& row) {
-                    if (isOfOtherScene(record, kSample, samples_)) return false;
-                    row.sample = reference(record, kSample, samples_);
-                    if (!tables_.visibilities.empty() && !optionalText(record, kVisibility).empty())
-                      row.visibility = reference(record, kVisibility, visibilities_);
-                    row.attributes = attributesOf(record, kAttributes);
-                    row.translation = record.numbers<3>(kTranslation);
-                    row.size = record.numbers<3>(kSize);
-                    row.rotation = record.quaternion(kRotation);
-                    row.lidar_points = count(record, kLidarPoints);
-                    row.radar_points = count(record, kRadarPoints);
-                    remember(instances_of_annotations_, record, kInstance);
-                    remember(previous, record, kPrevious);
-                    remember(next, record, kNext);
-                    return true;
-                  });
+    annotations_ = readTable("sample_annotation",
+                             {"token", "sample_token", "instance_token", "attribute_tokens", "translation",
+                              "size", "rotation", "prev", "next"},
+                             tables_.annotations, [&](const Record& record, SampleAnnotation& row) {
+                               if (isOfOtherScene(record, kSample, samples_)) return false;
+                               row.sample = reference(record, kSample, samples_);
+                               row.attributes = attributesOf(record, kAttributes);
+                               row.translation = record.numbers<3>(kTranslation);
+                               row.size = record.numbers<3>(kSize);
+                               row.rotation = record.quaternion(kRotation);
+                               remember(instances_of_annotations_, record, kInstance);
+                               remember(previous, record, kPrevious);
+                               remember(next, record, kNext);
+                               return true;
+                             });
     resolve(tables_.annotations, &SampleAnnotation::previous, previous, annotations_, annotations_,
             tables_.tokens);
     resolve(tables_.annotations, &SampleAnnotation::next, next, annotations_, annotations_, tables_.tokens);
   }
 
   void readInstances() {
-    enum { kToken, kCategory, kFirst, kLast, kCount };
+    enum { kToken, kCategory };
     std::unordered_set<Token> wanted;
     if (filtering())
       wanted.insert(instances_of_annotations_.tokens.begin(), instances_of_annotations_.tokens.end());
-    const auto instances = readTable(
-        "instance",
-        {"token", "category_token", "first_annotation_token", "last_annotation_token", "nbr_annotations"},
-        tables_.instances, [&](const Record& record, Instance& row) {
-          if (isUnwanted(record, wanted)) return false;
-          row.category = reference(record, kCategory, categories_);
-          row.first_annotation = reference(record, kFirst, annotations_);
-          row.last_annotation = reference(record, kLast, annotations_);
-          row.annotation_count = count(record, kCount);
-          return true;
-        });
+    const auto instances = readTable("instance", {"token", "category_token"}, tables_.instances,
+                                     [&](const Record& record, Instance& row) {
+                                       if (isUnwanted(record, wanted)) return false;
+                                       row.category = reference(record, kCategory, categories_);
+                                       return true;
+                                     });
     resolve(tables_.annotations, &SampleAnnotation::instance, instances_of_annotations_, annotations_,
             instances, tables_.tokens);
   }
@@ -366,20 +304,10 @@ class TableLoader {
     return found;
   }
 
-  static std::string_view optionalText(const Record& record, std::size_t field) {
-    return record.has(field) ? record.text(field) : std::string_view();
-  }
-
   /// Of an image, px; other sensors may have none.
   static std::uint16_t side(const Record& record, std::size_t field) {
     return record.has(field) ? static_cast<std::uint16_t>(record.integer(field, 0, UINT16_MAX))
                              : std::uint16_t{0};
-  }
-
-  /// Counts may be -1 or missing where the dataset does not say.
-  static int count(const Record& record, std::size_t field) {
-    if (!record.has(field)) return -1;
-    return static_cast<int>(record.integer(field, -1, std::numeric_limits<int>::max()));
   }
 
   const LoadOptions& options_;
@@ -391,10 +319,7 @@ class TableLoader {
   TableSource<SampleData> readings_;
   TableSource<Category> categories_;
   TableSource<Attribute> attributes_;
-  TableSource<Visibility> visibilities_;
   TableSource<SampleAnnotation> annotations_;
-  PendingColumn first_samples_{"first_sample_token", {}};
-  PendingColumn last_samples_{"last_sample_token", {}};
   PendingColumn poses_of_readings_{"ego_pose_token", {}};
   PendingColumn instances_of_annotations_{"instance_token", {}};
 };

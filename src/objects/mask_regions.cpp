@@ -9,6 +9,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "radar_dot/common/quantile.h"
+
 namespace radar_dot {
 namespace {
 
@@ -16,12 +18,6 @@ namespace {
 struct RegionPixels {
   std::vector<float> columns, depths, residual_x, residual_y;
 };
-
-double median(std::vector<float>& values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return static_cast<double>(*half);
-}
 
 RegionPixels pixelsOf(const cv::Mat& labels, int label, const ImageBox& box, const cv::Mat& depth,
                       const cv::Mat& flow_residual) {
@@ -51,7 +47,7 @@ void addFlow(RegionPixels& pixels, double speed_per_pixel, const MaskRegionParam
     region.lateral.variance = std::numeric_limits<double>::infinity();
     return;
   }
-  region.flow_residual = {median(pixels.residual_x), median(pixels.residual_y)};
+  region.flow_residual = {quantileOf(pixels.residual_x), quantileOf(pixels.residual_y)};
   const double du = region.flow_residual.x();
   region.lateral.value = speed_per_pixel * du;
   region.lateral.variance = speed_per_pixel * speed_per_pixel *
@@ -65,8 +61,8 @@ std::optional<MaskRegion> regionOf(RegionPixels& pixels, const ImageBox& box, do
   if (pixels.depths.empty()) return std::nullopt;
   MaskRegion region;
   region.box = box;
-  const double depth = median(pixels.depths);
-  const double u = median(pixels.columns);
+  const double depth = quantileOf(pixels.depths);
+  const double u = quantileOf(pixels.columns);
   const double v = box.y + 0.5 * (box.height - 1);
   const Eigen::Vector3d ray = camera.rayOf(u, v);
   region.position = (T_base_from_camera * (depth * ray)).head<2>();

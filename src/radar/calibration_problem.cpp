@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "radar_dot/common/quantile.h"
 #include "radar_dot/radar/ego_velocity.h"
 
 namespace radar_dot {
@@ -39,13 +40,6 @@ const Eigen::Array3d kReferenceFloor(0.01, 0.01, 0.001);
 std::size_t kindOf(Index quantity, Index delay) {
   return quantity >= delay ? static_cast<std::size_t>(kCalibrationQuantities + (quantity - delay))
                            : static_cast<std::size_t>(quantity) % kCalibrationQuantities;
-}
-
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -228,11 +222,11 @@ void CalibrationProblem::learnScales() {
     });
   }
   for (std::size_t radar = 0; radar < radars_.size(); ++radar)
-    if (!sizes[radar].empty()) spread_[radar] = std::clamp(kSigma * median(sizes[radar]), 0.05, 3.0);
+    if (!sizes[radar].empty()) spread_[radar] = std::clamp(kSigma * quantileOf(sizes[radar]), 0.05, 3.0);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Index>(axis);
     if (!differences[axis].empty())
-      reference_std_[i] = std::max(kReferenceFloor[i], kSigma * median(differences[axis]));
+      reference_std_[i] = std::max(kReferenceFloor[i], kSigma * quantileOf(differences[axis]));
   }
 }
 

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <optional>
 
+#include "radar_dot/common/quantile.h"
 #include "rotated_return.h"
 
 namespace radar_dot {
@@ -198,12 +199,11 @@ void RadarAgreement::describe(Track& track, std::size_t returns, double inlier_t
   const auto inliers = std::count_if(absolute_.begin(), absolute_.end(), [&](float residual) {
     return static_cast<double>(residual) < inlier_threshold;
   });
-  const auto middle = absolute_.begin() + static_cast<std::ptrdiff_t>(absolute_.size() / 2);
-  std::nth_element(absolute_.begin(), middle, absolute_.end());
   const double share = static_cast<double>(inliers) / static_cast<double>(absolute_.size());
   track.described = decay * track.described + 1.0;
   figures.inlier_share += (share - figures.inlier_share) / track.described;
-  figures.median_residual += (static_cast<double>(*middle) - figures.median_residual) / track.described;
+  figures.median_residual +=
+      (static_cast<double>(quantileOf(absolute_)) - figures.median_residual) / track.described;
 }
 
 /// How well the returns fit when the mount is turned, by cells of the full circle.

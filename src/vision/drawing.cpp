@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "drawing_parts.h"
+#include "radar_dot/common/quantile.h"
 
 namespace radar_dot {
 namespace {
@@ -93,7 +94,7 @@ double residualScale(const cv::Mat& residual) {
     for (int u = step / 2; u < residual.cols; u += step)
       if (std::isfinite(row[u])) values.push_back(row[u]);
   }
-  return drawing::roundScaleUp(drawing::percentileOf(values, 0.98));
+  return drawing::roundScaleUp(static_cast<double>(quantileOf(values, 0.98)));
 }
 
 /// Static before dynamic, far before near: what matters most is drawn last.

@@ -154,13 +154,6 @@ double roundScaleUp(double value) {
   return 10.0 * decade;
 }
 
-double percentileOf(std::vector<float>& values, double percentile) {
-  if (values.empty()) return 0.0;
-  const auto rank = static_cast<std::ptrdiff_t>(percentile * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return static_cast<double>(values[static_cast<std::size_t>(rank)]);
-}
-
 int sampleStep(const cv::Size& size) {
   return std::max(1, static_cast<int>(std::sqrt(size.width * static_cast<double>(size.height) / 20000.0)));
 }

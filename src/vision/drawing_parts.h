@@ -55,8 +55,6 @@ void drawScaleBar(cv::Mat& picture, const Palette& palette, const std::vector<Ti
 
 /// Rounded up to 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten; at least 1.
 double roundScaleUp(double value);
-/// `percentile` (0..1) of the values, which are reordered; 0 of none.
-double percentileOf(std::vector<float>& values, double percentile);
 /// Pixels between two that are looked at so that about 20000 are.
 int sampleStep(const cv::Size& size);
 std::string shortNumber(double value);

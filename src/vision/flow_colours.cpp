@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "drawing_parts.h"
+#include "radar_dot/common/quantile.h"
 #include "radar_dot/vision/drawing.h"
 
 namespace radar_dot {
@@ -99,7 +100,7 @@ double flowScale(const cv::Mat& flow, const cv::Mat& other) {
     drawing::requireType(other, CV_32FC2, "other");
     sampleMagnitudes(other, magnitudes);
   }
-  return drawing::roundScaleUp(drawing::percentileOf(magnitudes, 0.98));
+  return drawing::roundScaleUp(static_cast<double>(quantileOf(magnitudes, 0.98)));
 }
 
 cv::Mat drawFlow(const cv::Mat& flow, double max_flow) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "parallel_rows.h"
+#include "radar_dot/common/quantile.h"
 #include "warp.h"
 
 namespace radar_dot {
@@ -55,12 +56,6 @@ struct ImageDifference {
   float variance = 0.0F;  ///< of the noise
 };
 
-float medianOf(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Of what the flow leaves, which most pixels are explained by.
 ImageDifference differenceBy(const ImagePairInput& pair) {
   const cv::Size size((pair.grey.cols - 1) / kSampling + 1, (pair.grey.rows - 1) / kSampling + 1);
@@ -79,10 +74,10 @@ ImageDifference differenceBy(const ImagePairInput& pair) {
           static_cast<float>(second.at<std::uint8_t>(row, column) -
                              pair.grey.at<std::uint8_t>(row * kSampling, column * kSampling)));
   ImageDifference difference;
-  difference.offset = medianOf(differences);
+  difference.offset = quantileOf(differences);
   for (float& value : differences) value = (value - difference.offset) * (value - difference.offset);
   constexpr float kChiSquare = 0.455F;  // its median, for one degree of freedom
-  difference.variance = medianOf(differences) / kChiSquare;
+  difference.variance = quantileOf(differences) / kChiSquare;
   return difference;
 }
 

@@ -10,6 +10,7 @@
 
 #include "ground_ray.h"
 #include "motion_images.h"
+#include "radar_dot/common/quantile.h"
 #include "radar_dot/common/stamped_twist.h"
 
 namespace radar_dot {
@@ -202,10 +203,8 @@ double Refiner::step() {
     distances_.push_back(term.distance);
   }
   if (distances_.size() < kLeastPixels) return 0.0;
-  const auto middle = distances_.begin() + static_cast<std::ptrdiff_t>(distances_.size() / 2);
-  std::nth_element(distances_.begin(), middle, distances_.end());
   // What the noise does not explain is in all pixels alike.
-  const double scale = std::max(1.0, *middle / kMedianOfChiSquare);
+  const double scale = std::max(1.0, quantileOf(distances_) / kMedianOfChiSquare);
   const double width = 2.0 * params_.kernel_width * scale;  // the expectation of chi-square is 2
   const double share = std::min(1.0, params_.independent_pixels / static_cast<double>(terms_.size())) / scale;
   information_ = prior_information_;

@@ -228,6 +228,33 @@ TEST_F(DatarootJsonTest, NextIsTheInverseOfPrevious) {
   }
 }
 
+TEST_F(DatarootJsonTest, ChainsAreNamedByTheirEndsAndLength) {
+  const auto expect_chains = [this](const std::string& owner, const std::string& table,
+                                    const std::string& link) {
+    std::map<std::string, const rapidjson::Value*> rows;
+    for (const auto& row : documents_[table].GetArray()) rows[row["token"].GetString()] = &row;
+    for (const auto& row : documents_[owner].GetArray()) {
+      int count = 1;
+      const rapidjson::Value* one = rows.at(row[("first_" + link + "_token").c_str()].GetString());
+      EXPECT_STREQ((*one)["prev"].GetString(), "") << owner;
+      for (; (*one)["next"].GetStringLength() != 0; ++count) one = rows.at((*one)["next"].GetString());
+      EXPECT_STREQ((*one)["token"].GetString(), row[("last_" + link + "_token").c_str()].GetString())
+          << owner;
+      EXPECT_EQ(count, row[("nbr_" + link + "s").c_str()].GetInt()) << owner;
+    }
+  };
+  expect_chains("scene", "sample", "sample");
+  expect_chains("instance", "sample_annotation", "annotation");
+}
+
+TEST_F(DatarootJsonTest, ALocationHasOneMap) {
+  ASSERT_EQ(documents_["map"].Size(), 1U);
+  EXPECT_EQ(documents_["map"][0]["log_tokens"].Size(), 2U);
+  const std::string map =
+      test::readFile(folder_.path() / "dataroot" / documents_["map"][0]["filename"].GetString());
+  EXPECT_EQ(map.substr(1, 3), "PNG");
+}
+
 TEST_F(DatarootJsonTest, NumbersKeepAllTheirBits) {
   std::map<std::int64_t, const NewReading*> written;
   for (const NewScene& scene : scenes_)

@@ -180,8 +180,6 @@ TEST_F(InstanceMaskFiles, RowsReferToReadingsAndInstances) {
     EXPECT_EQ(isMoving(tables_, rows[i]), i % 2 == 0);
   }
   EXPECT_EQ(rows[0].bounding_box, (std::array<double, 4>{700, 400, 900, 520}));
-  EXPECT_EQ(tables_.tokens.text(rows[0].visibility_token), "4");
-  EXPECT_EQ(rows[1].visibility_token, Token{});
 }
 
 TEST_F(InstanceMaskFiles, TheDynamicMaskIsTheUnionOfTheMovingInstances) {

@@ -15,6 +15,7 @@
 #include "bag/bag_reading.h"
 #include "nodelets/inputs/radar_input.h"
 #include "nodelets/messages/cloud_conversion.h"
+#include "radar_dot/common/quantile.h"
 #include "radar_dot/radar/sweep_estimator.h"
 
 namespace radar_dot::test {
@@ -38,9 +39,7 @@ double ownSpeed(const sensor_msgs::PointCloud2& cloud) {
     if (std::abs(azimuth) < 1.0)
       speeds.push_back(read("recoveredSpeed", i) - read("doppler", i) / std::cos(azimuth));
   }
-  std::nth_element(speeds.begin(), speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2),
-                   speeds.end());
-  return speeds[speeds.size() / 2];
+  return quantileOf(speeds);
 }
 
 struct MeanError {

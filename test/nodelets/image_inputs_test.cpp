@@ -19,6 +19,7 @@
 
 #include "live_camera.h"
 #include "live_graph.h"
+#include "radar_dot/common/quantile.h"
 #include "vision_world.h"
 
 namespace radar_dot::test {
@@ -56,15 +57,10 @@ class ImageInputs : public testing::Test {
       for (int row = 20; row < field.rows - 20; ++row)
         for (int column = 40; column < field.cols - 40; ++column)
           values.push_back(static_cast<double>(field.at<cv::Vec2f>(row, column)[0]));
-      medians.push_back(medianOf(values) * flow->image_width / field.cols / (second->second - first->second));
+      medians.push_back(quantileOf(values) * flow->image_width / field.cols /
+                        (second->second - first->second));
     }
-    return medianOf(medians);
-  }
-  static double medianOf(std::vector<double>& values) {
-    if (values.empty()) return 0.0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    return quantileOf(medians);
   }
   static float depthAt(const Image& message, int row, int column) {
     return matOf(message, CV_32FC1).at<float>(row, column);

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "radar_dot/common/quantile.h"
 #include "radar_dot/simulation/camera_sensor.h"
 #include "radar_dot/simulation/lidar_sensor.h"
 #include "radar_dot/simulation/scenario.h"
@@ -309,15 +310,10 @@ TEST(StreetLaws, WarpingTheNextImageByTheTrueFlowGivesThisOne) {
     }
   }
   ASSERT_GT(warped_errors.size(), 100'000U);
-  const auto median = [](std::vector<double>& values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                     values.end());
-    return values[values.size() / 2];
-  };
   // What remains is interpolation of texture; the sensor's noise would be about 2 grey levels.
-  EXPECT_LT(median(warped_errors), 2.5);
-  EXPECT_LT(median(warped_errors), 0.5 * median(unwarped_errors));
-  EXPECT_LT(median(warped_errors), 0.85 * median(shifted_errors)) << "half a pixel off is worse";
+  EXPECT_LT(quantileOf(warped_errors), 2.5);
+  EXPECT_LT(quantileOf(warped_errors), 0.5 * quantileOf(unwarped_errors));
+  EXPECT_LT(quantileOf(warped_errors), 0.85 * quantileOf(shifted_errors)) << "half a pixel off is worse";
 }
 
 TEST(StreetLaws, LidarPointsLieOnTheDepthMap) {

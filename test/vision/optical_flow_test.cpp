@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "fixtures/refusal.h"
+#include "radar_dot/common/quantile.h"
 
 namespace radar_dot {
 namespace {
@@ -53,9 +54,7 @@ cv::Vec2f middle(const cv::Mat& flow) {
       v.push_back(flow.at<cv::Vec2f>(row, column)[1]);
     }
   }
-  std::nth_element(u.begin(), u.begin() + static_cast<std::ptrdiff_t>(u.size() / 2), u.end());
-  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-  return {u[u.size() / 2], v[v.size() / 2]};
+  return {quantileOf(u), quantileOf(v)};
 }
 
 TEST(DisFlow, FindsAShiftWithItsSign) {

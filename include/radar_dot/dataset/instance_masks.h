@@ -48,8 +48,6 @@ struct InstanceMask {
   std::array<double, 4> bounding_box{};  ///< px: x0 y0 x1 y1
   std::string category_name;
   std::vector<Token> attribute_tokens;
-  Token instance_token;
-  Token visibility_token;
   cv::Size image{kMaskColumns, kMaskRows};  ///< px, of its image
   /// One or several RLEs, or polygons; their union is the mask.
   std::variant<std::vector<RunLengthMask>, std::vector<Polygon>> mask;

@@ -64,17 +64,13 @@ struct EgoPose {
 
 struct Log {
   Token token;
-  std::string logfile, vehicle, date_captured, location;
+  std::string vehicle;  ///< "simulated" of simulated drives
 };
 
 struct Scene {
   Token token;
-  std::string name;  ///< e.g. "scene-0061"
-  std::string description;
+  std::string name;   ///< e.g. "scene-0061"
   Index log = kNone;  ///< kNone without a table of them
-  Index first_sample = kNone;
-  Index last_sample = kNone;
-  int sample_count = -1;  ///< -1 where the dataset does not say
 };
 
 /// A keyframe.
@@ -82,8 +78,6 @@ struct Sample {
   Token token;
   std::int64_t timestamp_us = 0;
   Index scene = kNone;
-  Index previous = kNone;
-  Index next = kNone;
 };
 
 /// One sensor reading. `Tables::filename` gives its path.
@@ -94,7 +88,6 @@ struct SampleData {
   Index ego_pose = kNone;
   Index calibrated_sensor = kNone;
   Index previous = kNone;
-  Index next = kNone;
   std::uint32_t filename_offset = 0;
   std::uint16_t filename_length = 0;
   std::uint16_t width = 0;   ///< px; cameras; 0 where the dataset does not say
@@ -112,23 +105,9 @@ struct Attribute {
   std::string name;  ///< e.g. "vehicle.moving"
 };
 
-struct Visibility {
-  Token token;
-  std::string level;
-};
-
-struct Map {
-  Token token;
-  std::string category, filename;
-  std::vector<Index> logs;
-};
-
 struct Instance {
   Token token;
   Index category = kNone;
-  Index first_annotation = kNone;
-  Index last_annotation = kNone;
-  int annotation_count = -1;
 };
 
 /// An annotated box at a keyframe, map frame.
@@ -136,15 +115,12 @@ struct SampleAnnotation {
   Token token;
   Index sample = kNone;
   Index instance = kNone;
-  Index visibility = kNone;  ///< kNone where the dataset does not say
   Index previous = kNone;
   Index next = kNone;
   std::array<double, 3> translation{};  ///< m, centre
   std::array<double, 3> size{};         ///< m: width (y), length (x), height (z)
   std::array<double, 4> rotation{};     ///< w x y z
   std::vector<Index> attributes;
-  int lidar_points = -1;  ///< -1 where the dataset does not say
-  int radar_points = -1;
   Eigen::Isometry3d T_map_from_box() const;
 };
 
@@ -153,7 +129,7 @@ struct LoadOptions {
   std::string version = "v1.0-mini";
   /// Scene names; empty = all. Rows of other scenes are skipped while reading, which makes loading
   /// one scene of the full dataset cheap in memory: the tables then hold these scenes and nothing of
-  /// any other (but all sensors, calibrations, logs, maps and names).
+  /// any other (but all sensors, calibrations, logs and names).
   std::vector<std::string> scenes;
   bool annotations = true;  ///< sample_annotation and instance
 };
@@ -161,8 +137,8 @@ struct LoadOptions {
 /// The tables of a nuScenes dataroot, with every reference resolved to a row number.
 class Tables {
  public:
-  /// Reads `dataroot/version/*.json`, streaming. The tables log, map and visibility, and fields that no
-  /// reading or box needs, may be missing.
+  /// Reads `dataroot/version/*.json`, streaming. The table log, and fields that no reading or box needs, may
+  /// be missing; those of map and visibility are not read.
   /// @throws DatasetError for a missing dataroot or table, malformed JSON (file and byte), a missing
   ///         or mistyped field (file, record, field), a reference to a token that does not exist
   ///         (file, record, field, token), a token used twice, or a scene name that does not exist (with the
@@ -181,8 +157,6 @@ class Tables {
   std::vector<SampleData> sample_data;
   std::vector<Category> categories;
   std::vector<Attribute> attributes;
-  std::vector<Visibility> visibilities;
-  std::vector<Map> maps;
   std::vector<Instance> instances;
   std::vector<SampleAnnotation> annotations;
   TokenPool tokens;

@@ -69,7 +69,6 @@ class ReferenceMotion {
   std::optional<StampedTwist> over(double begin, double end) const;
   /// Integrated from twists where there are no poses; null where there is neither.
   const PoseTrack* track() const { return track_ ? &*track_ : nullptr; }
-  bool isFromPoses() const { return is_from_poses_; }
 
  private:
   std::vector<StampedTwist> twists_;
