@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <future>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
 
+#include "parallel_rows.h"
 #include "radar_dot/vision/camera_intrinsics.h"
 #include "radar_dot/vision/network_images.h"
 #include "warp.h"
@@ -146,9 +146,8 @@ FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const c
   if (!params_.forward_backward) {
     go();
   } else if (runsBothWaysAtOnce()) {
-    std::future<void> back = std::async(std::launch::async, come);
-    go();
-    back.get();
+    // Not by a thread of its own for each pair: OpenCV keeps a record of every thread that it ever saw.
+    runAtOnce(go, come);
   } else {
     go();
     come();

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radar_dot/vision/optical_flow.h"
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -13,10 +16,24 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "fixtures/refusal.h"
 #include "radar_dot/common/quantile.h"
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+namespace {
+std::atomic<int> threads_started{0};
+}
+/// In place of that of the system, which it calls.
+extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*body)(void*),
+                              void* argument) noexcept {
+  ++threads_started;
+  static const auto start = reinterpret_cast<decltype(&pthread_create)>(dlsym(RTLD_NEXT, "pthread_create"));
+  return start(thread, attributes, body, argument);
+}
+#endif
 
 namespace radar_dot {
 namespace {
@@ -56,6 +73,22 @@ cv::Vec2f middle(const cv::Mat& flow) {
   }
   return {quantileOf(u), quantileOf(v)};
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// OpenCV keeps 800 bytes for every thread that ever called it: a thread for each pair would fill the memory
+// of a process that runs for days.
+TEST(DisFlow, PairsStartNoThreadsOfTheirOwn) {
+  OpticalFlowParams params;
+  params.working_width = 160;
+  params.forward_backward = true;
+  const auto flow = makeOpticalFlow(params);
+  threads_started = 0;
+  std::thread([] {}).join();
+  EXPECT_EQ(threads_started, 1) << "they are counted";
+  for (int pair = 0; pair < 100; ++pair) flow->compute(window(20, 20), window(22, 20));
+  EXPECT_LT(threads_started, 50) << "no more than a pool has";
+}
+#endif
 
 TEST(DisFlow, FindsAShiftWithItsSign) {
   for (const FlowPreset preset : {FlowPreset::kMedium, FlowPreset::kLive}) {
