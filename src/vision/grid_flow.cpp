@@ -5,13 +5,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <cmath>
+#include <future>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
 
-#include "parallel_rows.h"
 #include "radar_dot/vision/camera_intrinsics.h"
 #include "radar_dot/vision/network_images.h"
 #include "warp.h"
@@ -98,6 +101,7 @@ cv::Mat reversed(const cv::Mat& flow) {
 }  // namespace
 
 GridFlow::GridFlow(OpticalFlowParams params, Images images) : params_(std::move(params)), images_(images) {}
+GridFlow::~GridFlow() = default;
 
 /// Motion that the start value already explains is taken out of the second image; what remains is small.
 template <typename Run>
@@ -146,8 +150,19 @@ FlowField GridFlow::compute(const cv::Mat& first, const cv::Mat& second, const c
   if (!params_.forward_backward) {
     go();
   } else if (runsBothWaysAtOnce()) {
-    // Not by a thread of its own for each pair: OpenCV keeps a record of every thread that it ever saw.
-    runAtOnce(go, come);
+    // Not by a thread for each pair: OpenCV keeps a record of every thread that it ever saw. Nor by those of
+    // TBB, which OpenCV's loops keep for themselves.
+    if (!back_) back_ = std::make_unique<boost::asio::thread_pool>(1);
+    std::packaged_task<void()> task(come);
+    std::future<void> done = task.get_future();
+    boost::asio::post(*back_, std::move(task));
+    try {
+      go();
+    } catch (...) {
+      done.wait();  // it uses what is local here
+      throw;
+    }
+    done.get();
   } else {
     go();
     come();

@@ -4,7 +4,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #ifdef __SANITIZE_THREAD__
 extern "C" void __tsan_acquire(void* address);
@@ -50,18 +49,6 @@ void parallelRows(int rows, const Row& row) {
                       for (int i = range.begin(); i < range.end(); ++i) row(i);
                       order.endTask();
                     });
-}
-
-/// Calls both, at once where TBB has a core for the second.
-template <typename First, typename Second>
-void runAtOnce(const First& first, const Second& second) {
-  LoopOrder order;
-  const auto ordered = [&order](const auto& task) {
-    order.beginTask();
-    task();
-    order.endTask();
-  };
-  tbb::parallel_invoke([&] { ordered(first); }, [&] { ordered(second); });
 }
 
 }  // namespace radar_dot

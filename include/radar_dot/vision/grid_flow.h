@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <opencv2/core/mat.hpp>
 
 #include "radar_dot/vision/optical_flow.h"
+
+namespace boost::asio {
+class thread_pool;
+}
 
 namespace radar_dot {
 
@@ -13,6 +18,7 @@ namespace radar_dot {
 /// the grid that `working_width` asks for. A backend says which grid it computes on, and computes.
 class GridFlow : public OpticalFlow {
  public:
+  ~GridFlow() override;
   FlowField compute(const cv::Mat& first, const cv::Mat& second, const cv::Mat& expected) final;
   void reset() override { previous_.release(); }
 
@@ -40,7 +46,8 @@ class GridFlow : public OpticalFlow {
 
   OpticalFlowParams params_;
   Images images_;
-  cv::Mat previous_;  // flow of the previous pair, on the grid
+  cv::Mat previous_;                                // flow of the previous pair, on the grid
+  std::unique_ptr<boost::asio::thread_pool> back_;  // the thread of the way back, from the first one on
 };
 
 }  // namespace radar_dot
