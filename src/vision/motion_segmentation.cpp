@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -18,6 +19,7 @@
 #include "motion_images.h"
 #include "motion_pass.h"
 #include "parallel_rows.h"
+#include "radar_dot/common/quantile.h"
 #include "radar_dot/vision/motion_terms.h"
 #include "radar_dot/vision/return_reach.h"
 #include "radar_dot/vision/uncertainty_terms.h"
@@ -105,6 +107,42 @@ float medianOf(const cv::Mat& image, const FloatHistogram& histogram, std::size_
   std::nth_element(candidates.begin(), wanted, candidates.end());
   return *wanted;
 }
+
+/// How far flow is from that of any static world, pixel by pixel: wherever before the ground it may be.
+class DistanceFromStaticWorld {
+ public:
+  DistanceFromStaticWorld(const MotionInput& input, const PassConstants& pass)
+      : input_(input), pass_(pass), slope_(std::tan(input.ground->params.pitch)) {}
+
+  /// Standard deviations; NaN where nothing can be told.
+  float operator()(const InputRow& in, int row, int column) const {
+    const GroundRay ground = groundRay(input_.camera, input_.ground->T_base_from_camera, column, row, slope_,
+                                       input_.ground->params.height);
+    return distanceFromStatic(
+        pass_, static_cast<float>(column), static_cast<float>(row), static_cast<float>(ground.rho),
+        in.flows + 2 * static_cast<std::ptrdiff_t>(column), flowNoise(pass_, in, column));
+  }
+
+  /// By how much they are larger than the model says, `least` or more; of a sample of what has a score.
+  double scale(const cv::Mat& scores, double least) const {
+    constexpr int kSampling = 8;  // px
+    std::vector<float> distances;
+    for (int row = kSampling / 2; row < scores.rows; row += kSampling) {
+      const InputRow in = rowOf(input_, row);
+      for (int column = kSampling / 2; column < scores.cols; column += kSampling) {
+        if (!(scores.at<float>(row, column) >= 0.0F)) continue;
+        const float distance = (*this)(in, row, column);
+        if (distance >= 0.0F) distances.push_back(distance);
+      }
+    }
+    return scaleOf(static_cast<double>(quantileOf(distances)), least);
+  }
+
+ private:
+  const MotionInput& input_;
+  const PassConstants& pass_;
+  double slope_;
+};
 
 }  // namespace
 
@@ -236,10 +274,15 @@ double MotionSegmenter::Workspace::paperThreshold(const MotionParams& params) {
 void MotionSegmenter::Workspace::keepSeeded(const MotionInput& input, const PassConstants& pass,
                                             const UncertaintyScoreParams& params) {
   const auto high = static_cast<float>(params.hysteresis_ratio * result.threshold);
-  const auto limit = static_cast<float>(params.hysteresis_ratio * result.scale *
-                                        uncertainty_terms::chiThreshold(2, params.false_alarm));
+  std::optional<DistanceFromStaticWorld> distance;
+  float limit = 0.0F;
+  if (input.ground) {
+    distance.emplace(input, pass);
+    // Where depth is drawn wrong, scores are large and distances are not.
+    limit = static_cast<float>(params.hysteresis_ratio * distance->scale(result.score, params.min_scale) *
+                               uncertainty_terms::chiThreshold(2, params.false_alarm));
+  }
   const bool with_radar = !input.dynamic_points.empty();
-  const double slope = input.ground ? std::tan(input.ground->params.pitch) : 0.0;
   seeds.create(result.score.size(), CV_8UC1);
   parallelRows(seeds.rows, [&](int row) {
     const InputRow in = rowOf(input, row);
@@ -249,14 +292,9 @@ void MotionSegmenter::Workspace::keepSeeded(const MotionInput& input, const Pass
     for (int column = 0; column < seeds.cols; ++column) {
       is_seed[column] = static_cast<std::uint8_t>(mask[column] != 0 && scores[column] > high);
       if (is_seed[column] == 0) continue;
-      if (!input.ground || (with_radar && footprints.at<std::uint16_t>(row, column) >= kDynamicReturn))
-        continue;
-      const GroundRay ground = groundRay(input.camera, input.ground->T_base_from_camera, column, row, slope,
-                                         input.ground->params.height);
-      const float distance = distanceFromStatic(
-          pass, static_cast<float>(column), static_cast<float>(row), static_cast<float>(ground.rho),
-          in.flows + 2 * static_cast<std::ptrdiff_t>(column), flowNoise(pass, in, column));
-      if (distance <= limit) is_seed[column] = 0;  // false where only the past says something
+      if (!distance || (with_radar && footprints.at<std::uint16_t>(row, column) >= kDynamicReturn)) continue;
+      // False where only the past says something.
+      if ((*distance)(in, row, column) <= limit) is_seed[column] = 0;
     }
   });
   const int regions = cv::connectedComponents(result.mask, labels, 8, CV_32S);

@@ -423,6 +423,24 @@ TEST(Hysteresis, WhatMayStandBeforeTheGroundIsNoSeed) {
   EXPECT_GT(marked(params, input, far), 1100);
 }
 
+TEST(Hysteresis, WhatIsDrawnTooFarAwayHidesNoMover) {
+  MotionParams params = exactModel();
+  params.uncertainty.noise.flow_std = 0.1;
+  params.uncertainty.hysteresis_ratio = 1.5;
+  const cv::Rect houses(0, 0, 320, 150), ahead(240, 170, 30, 40);
+  MotionInput input = street();
+  stand(input, houses, 34.0);  // drawn at 40 m, over most of the image
+  input.flow(ahead).setTo(cv::Scalar(0.0, 0.0));
+  EXPECT_EQ(marked(params, input, houses), 0);
+  EXPECT_GT(marked(params, input, ahead), 1000);
+  // Where all flow is wrong, also across, nobody knows.
+  cv::Mat noise(input.flow.size(), CV_32FC2);
+  cv::theRNG().state = 1;
+  cv::randn(noise, cv::Scalar::all(0.0), cv::Scalar::all(4.0));
+  input.flow += noise;
+  EXPECT_EQ(marked(params, input, ahead), 0);
+}
+
 TEST(UncertaintyScore, FlowOfNoTextureSaysLittle) {
   const MotionParams params = exactModel();
   MotionInput input = wall();
