@@ -32,9 +32,10 @@ struct Options {
         "ablation", ablation,
         "From the paper's masks to the best, step by step: score by uncertainty, refined motion, radar "
         "evidence, image borders, previous pair, memory; one table, and in --json");
-    fields.add("best", best,
-               "All that --ablation adds: --score uncertainty --forward-backward --refine --refine-ground "
-               "--border 40 --look-back --memory 0.4");
+    fields.add(
+        "best", best,
+        "All that --ablation adds, but for what is set otherwise: --score uncertainty --forward-backward "
+        "--refine --refine-ground --border 40 --look-back --memory 0.4");
     fields.add(
         "compare_loop", compare_loop,
         "Run with neither of --mask-to-velocity and --radar-gain (its default where it is 0), with each and "
@@ -157,6 +158,16 @@ void addRules(Evaluator& evaluator) {
   evaluator.command_line.exclude(ablation, name_of(&options.best));
 }
 
+/// Sets the fields that neither an option nor a file has set.
+void takeNotGiven(const tools::CommandLine& command_line, const radar_dot::FieldList& values,
+                  const radar_dot::FieldList& fields) {
+  auto value = values.begin();
+  for (const radar_dot::Field& field : fields) {
+    if (!command_line.givenMember(field.address)) field.put(value->get());
+    ++value;
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -188,8 +199,11 @@ int main(int argc, char** argv) {
     options.segmentation = configuration.dynamic_segmentation;
     if (evaluator.options.best) {
       options = evaluation::bestOptions(options);
-      configuration.optical_flow = options.optical_flow;
-      configuration.dynamic_segmentation = options.segmentation;
+      takeNotGiven(command_line, fieldsOf(options.optical_flow), fieldsOf(configuration.optical_flow));
+      takeNotGiven(command_line, fieldsOf(options.segmentation),
+                   fieldsOf(configuration.dynamic_segmentation));
+      options.optical_flow = configuration.optical_flow;
+      options.segmentation = configuration.dynamic_segmentation;
     }
     write(evaluator, evaluator.input.merge.empty() ? evaluateAll(evaluator) : merge(evaluator));
   });

@@ -272,8 +272,12 @@ MaskOutcome MaskPipeline::process(const MaskPair& pair) {
   if (!ignored.empty() && !input.belief.empty()) input.belief.setTo(kUnknown, ignored);
   if (params_.followsDepth()) followDepth(pair, backward, input.belief, input);
   std::optional<MotionInput> before;
-  if (params_.looksBack() && backward != nullptr)
+  if (params_.looksBack() && backward != nullptr) {
     before = previousPairFromFirst(input, previous_->input, backward->flow, backward->fb_error);
+    const cv::Mat uncovered = uncoveredPixels(*before, previous_->log_odds, previous_->input.depth,
+                                              params_.motion.uncertainty.noise);
+    if (!uncovered.empty()) before->flow_valid = ~uncovered;
+  }
   outcome.looked_back = before.has_value();
   outcome.result = segmenter_.segment(input, before ? &*before : nullptr);
   if (params_.usesBackwardFlow()) remember(pair, outcome);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 
 #include "parallel_rows.h"
@@ -72,6 +73,45 @@ cv::Mat carriedBelief(const cv::Mat& log_odds, const cv::Mat& flow_back, double 
     }
   });
   return carried;
+}
+
+cv::Mat uncoveredPixels(const MotionInput& before, const cv::Mat& log_odds, const cv::Mat& depth,
+                        const FlowDepthNoise& noise) {
+  if (before.fb_error.empty()) return {};
+  constexpr float kUnclosed = 0.5F;    // share of the motion by which flow must not fail to close
+  constexpr float kDeviations = 3.0F;  // of two flows, which is noise
+  constexpr float kTooFar = 0.8F;      // of what hides; it may be drawn farther away than it is
+  const auto noise_of_two = static_cast<float>(kDeviations * std::sqrt(2.0));
+  const auto flow_std = static_cast<float>(noise.flow_std / before.pixel_scale);
+  const auto flow_std_relative = static_cast<float>(noise.flow_std_relative);
+  const motion_terms::PixelMotion motion(before.camera, before.T_current_from_previous);
+  const auto last_u = static_cast<float>(log_odds.cols - 1), last_v = static_cast<float>(log_odds.rows - 1);
+  cv::Mat uncovered(log_odds.size(), CV_8UC1);
+  parallelRows(uncovered.rows, [&](int row) {
+    const auto* flows = before.flow.ptr<cv::Vec2f>(row);
+    const float* errors = before.fb_error.ptr<float>(row);
+    const float* depths = before.depth.ptr<float>(row);
+    auto* out = uncovered.ptr<std::uint8_t>(row);
+    const auto v = static_cast<float>(row);
+    for (int column = 0; column < uncovered.cols; ++column) {
+      const auto u = static_cast<float>(column);
+      const cv::Vec2f& flow = flows[column];
+      const motion_terms::Prediction there = motion_terms::predict(motion, u, v, depths[column]);
+      const float length = std::hypot(flow[0], flow[1]);
+      const float moves = std::hypot(u + flow[0] - there.u, v + flow[1] - there.v);
+      const float closed =
+          std::max(kUnclosed * moves, noise_of_two * (flow_std + flow_std_relative * length));
+      out[column] = 0;
+      // An error that is NaN, where the flow back leads out of the image, closes nothing.
+      if (errors[column] <= closed || !(there.depth > 0.0F && there.u >= 0.0F && there.v >= 0.0F &&
+                                        there.u <= last_u && there.v <= last_v))
+        continue;
+      const int to_u = static_cast<int>(there.u + 0.5F), to_v = static_cast<int>(there.v + 0.5F);
+      const bool is_behind = !(kTooFar * depth.at<float>(to_v, to_u) > there.depth);
+      if (log_odds.at<float>(to_v, to_u) > 0.0F && is_behind) out[column] = 255;
+    }
+  });
+  return uncovered;
 }
 
 double forgetting(double dt, double memory) { return memory > 0.0 ? std::exp(-std::abs(dt) / memory) : 0.0; }

@@ -105,7 +105,22 @@ TEST_F(Evaluators, ReportsRepeatTheirRuns) {
   test::expectReportRepeatsRun(
       commandOf("evaluate_segmentation", ""),
       dataroot() +
-          " --scenes scene-0001 --max-pairs 2 --working-width 160 --best --memory 0.3 --depth-std 0.21");
+          " --scenes scene-0001 --max-pairs 2 --working-width 160 --best --memory 0 --depth-std 0.21");
+}
+
+TEST_F(Evaluators, TheBestIsWhatIsNotSetOtherwise) {
+  const Outcome outcome =
+      runTool("evaluate_segmentation", dataroot() +
+                                           " --scenes scene-0001 --max-pairs 2 --working-width 160 --best "
+                                           "--memory 0 --no-refine-ground" +
+                                           files());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const rapidjson::Document document = report();
+  const rapidjson::Value& parameters = document["parameters"]["dynamic_segmentation"];
+  EXPECT_EQ(parameters["memory"].GetDouble(), 0.0);
+  EXPECT_FALSE(parameters["refine_ground"].GetBool());
+  EXPECT_EQ(parameters["border"].GetInt(), 40);
+  EXPECT_TRUE(parameters["look_back"].GetBool());
 }
 
 using EvaluateEgoVelocity = Evaluators;

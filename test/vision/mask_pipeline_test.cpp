@@ -81,6 +81,30 @@ TEST(MaskPipeline, LooksBackAlongTheFlowBackOfThePreviousPair) {
   EXPECT_EQ(cv::countNonZero(outcome.result.mask), kPatch.area());
 }
 
+// The patch moves on by its own height, and uncovers the wall behind, which leaves the view before the second
+// image.
+TEST(MaskPipeline, WhatAMoverUncoversDoesNotMove) {
+  MaskPipelineParams params = Drive::params();
+  params.look_back = true;
+  MaskPipeline pipeline(params);
+  const cv::Rect moved(kPatch.x + 3, kPatch.y + kPatch.height + 1, kPatch.width - 6, kPatch.height - 2);
+  const cv::Rect wall(kPatch.x + 3, kPatch.y + 1, kPatch.width - 6, kPatch.height - 2);
+  const cv::Rect both = wall | moved;
+  pipeline.process(Drive::pair(0, 1, 10.0F));
+  FlowField back = Drive::pair(1, 0).flow;
+  for (int v = both.y; v < both.y + both.height; ++v)
+    for (int u = both.x; u < both.x + both.width; ++u) back.flow.at<cv::Vec2f>(v, u)[1] -= 10.0F;
+  back.fb_error = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(0.1));
+  back.fb_error(wall).setTo(10.0);
+  pipeline.addBackward(kStep, 0.0, back);
+  MaskPair next = Drive::pair(1, 2);
+  next.flow.flow(both).setTo(cv::Scalar::all(std::numeric_limits<double>::quiet_NaN()));
+  const MaskOutcome outcome = pipeline.process(next);
+  EXPECT_EQ(cv::countNonZero(outcome.result.mask(moved)), moved.area());
+  EXPECT_EQ(cv::countNonZero(outcome.result.mask(wall)), 0);
+  EXPECT_EQ(cv::countNonZero(outcome.result.valid(wall)), 0) << "nothing is known of it";
+}
+
 TEST(MaskPipeline, RemembersThePreviousMask) {
   MaskPipelineParams params = Drive::params();
   params.memory = 10.0;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <opencv2/core.hpp>
 
@@ -126,6 +127,64 @@ TEST(LookBack, IsForTheScoreByUncertaintyAndOneGrid) {
   test::expectRefusal([&] { MotionSegmenter().segment(pair, &before); }, {"paper"});
   before.camera.width = 80;
   test::expectRefusal([&] { MotionSegmenter(Wall::params()).segment(pair, &before); }, {"previous pair"});
+}
+
+// In the image before something at 10 m hid a part of the wall, and moved.
+class Uncovered : public ::testing::Test {
+ protected:
+  Uncovered() {
+    // The wall was 21 m away then, so that this place was seen 1.5 px nearer to the middle, in kPatch.
+    depth_before_(kPatch).setTo(10.0);
+    log_odds_(kPatch).setTo(kMaxLogOdds);
+    move(before_.flow, {100, 40, 50, 10}, 10.0F);
+    before_.fb_error = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(10.0));
+  }
+  bool at(int u, int v) const {
+    return uncoveredPixels(before_, log_odds_, depth_before_, Wall::params().uncertainty.noise)
+               .at<std::uint8_t>(v, u) != 0;
+  }
+
+  MotionInput before_ = Wall::before();
+  cv::Mat log_odds_{kHeight, kWidth, CV_32FC1, cv::Scalar(-kMaxLogOdds)};
+  cv::Mat depth_before_ = Wall::depth(21.0);
+};
+
+TEST_F(Uncovered, IsWhatWasBehindAMoverAndHasNoFlowOfItsOwn) {
+  EXPECT_TRUE(at(110, 45));
+  EXPECT_FALSE(at(140, 45)) << "it was beside the mover";
+  EXPECT_FALSE(at(20, 20));
+  before_.fb_error.setTo(kNaN);
+  EXPECT_TRUE(at(110, 45)) << "the flow leads out of the image and closes nothing";
+  log_odds_.setTo(kNaN);
+  EXPECT_FALSE(at(110, 45)) << "whether something moved there is not known";
+}
+
+TEST_F(Uncovered, IsNotWhatClosesAsWellAsItMoves) {
+  before_.fb_error.setTo(4.9);
+  EXPECT_FALSE(at(110, 45)) << "less than half of the motion";
+  before_.fb_error.setTo(5.1);
+  EXPECT_TRUE(at(110, 45));
+}
+
+TEST_F(Uncovered, IsNotWhatClosesButForTheNoiseOfTwoFlows) {
+  MotionInput still = Wall::before();
+  still.fb_error = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(2.0));
+  before_ = still;
+  EXPECT_FALSE(at(110, 45));
+  before_.fb_error.setTo(3.0);  // 3 sqrt(2) (0.5 + 0.03 * 1.7 px) = 2.3 px
+  EXPECT_TRUE(at(110, 45));
+}
+
+TEST_F(Uncovered, IsNotBeforeWhatHid) {
+  depth_before_(kPatch).setTo(30.0);
+  EXPECT_FALSE(at(110, 45));
+  depth_before_(kPatch).setTo(24.0);
+  EXPECT_TRUE(at(110, 45)) << "depth of what moves is uncertain";
+}
+
+TEST_F(Uncovered, IsNotKnownWithoutTheErrorOfTheFlow) {
+  before_.fb_error.release();
+  EXPECT_TRUE(uncoveredPixels(before_, log_odds_, depth_before_, {}).empty());
 }
 
 TEST(Belief, LogOddsAreStandardDeviationsAboveTheThreshold) {

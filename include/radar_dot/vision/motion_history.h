@@ -35,6 +35,17 @@ cv::Mat logOdds(const MotionResult& result);
 /// @throws std::invalid_argument for other types, or sizes that differ
 cv::Mat carriedBelief(const cv::Mat& log_odds, const cv::Mat& flow_back, double share);
 
+/// Pixels that show what a mover uncovered: where a static world was in the image before, something moved,
+/// and the flow back, which is then that of the mover, does not close. What it says there is not of these
+/// pixels.
+/// @param before    the image with the image before (previousPairFromFirst)
+/// @param log_odds  CV_32FC1, of the image before (logOdds)
+/// @param depth     CV_32FC1, m, of the image before
+/// @param noise     of the flow
+/// @return CV_8UC1, 255 where uncovered; empty without fb_error, which tells
+cv::Mat uncoveredPixels(const MotionInput& before, const cv::Mat& log_odds, const cv::Mat& depth,
+                        const FlowDepthNoise& noise);
+
 /// Fraction of a belief that is left after `dt` s: exp(-|dt| / memory). @param memory  s; 0: nothing is left
 double forgetting(double dt, double memory);
 
