@@ -94,18 +94,18 @@ cv::Mat uncoveredPixels(const MotionInput& before, const cv::Mat& log_odds, cons
     auto* out = uncovered.ptr<std::uint8_t>(row);
     const auto v = static_cast<float>(row);
     for (int column = 0; column < uncovered.cols; ++column) {
-      const auto u = static_cast<float>(column);
-      const cv::Vec2f& flow = flows[column];
-      const motion_terms::Prediction there = motion_terms::predict(motion, u, v, depths[column]);
-      const float length = std::hypot(flow[0], flow[1]);
-      const float moves = std::hypot(u + flow[0] - there.u, v + flow[1] - there.v);
-      const float closed =
-          std::max(kUnclosed * moves, noise_of_two * (flow_std + flow_std_relative * length));
       out[column] = 0;
+      const cv::Vec2f& flow = flows[column];
       // An error that is NaN, where the flow back leads out of the image, closes nothing.
-      if (errors[column] <= closed || !(there.depth > 0.0F && there.u >= 0.0F && there.v >= 0.0F &&
-                                        there.u <= last_u && there.v <= last_v))
+      const float noise_px = flow_std + flow_std_relative * std::sqrt(flow.dot(flow));
+      if (errors[column] <= noise_of_two * noise_px) continue;
+      const auto u = static_cast<float>(column);
+      const motion_terms::Prediction there = motion_terms::predict(motion, u, v, depths[column]);
+      if (!(there.depth > 0.0F && there.u >= 0.0F && there.v >= 0.0F && there.u <= last_u &&
+            there.v <= last_v))
         continue;
+      const float moves = std::hypot(u + flow[0] - there.u, v + flow[1] - there.v);
+      if (errors[column] <= kUnclosed * moves) continue;
       const int to_u = static_cast<int>(there.u + 0.5F), to_v = static_cast<int>(there.v + 0.5F);
       const bool is_behind = !(kTooFar * depth.at<float>(to_v, to_u) > there.depth);
       if (log_odds.at<float>(to_v, to_u) > 0.0F && is_behind) out[column] = 255;
