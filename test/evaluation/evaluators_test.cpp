@@ -105,7 +105,8 @@ TEST_F(Evaluators, ReportsRepeatTheirRuns) {
   test::expectReportRepeatsRun(
       commandOf("evaluate_segmentation", ""),
       dataroot() +
-          " --scenes scene-0001 --max-pairs 2 --working-width 160 --best --memory 0 --depth-std 0.21");
+          " --scenes scene-0001 --max-pairs 2 --working-width 160 --best --memory 0.3 --no-refine-ground "
+          "--depth-std 0.21");
 }
 
 TEST_F(Evaluators, TheBestIsWhatIsNotSetOtherwise) {
