@@ -79,20 +79,41 @@ cv::Mat fillUnknown(const cv::Mat& flow) {
   return filled;
 }
 
+/// Length of what the second image shows of a pixel, from here to its neighbour. Not what lies behind the
+/// pixel, of which they may be the two borders.
+float stretched(float here, float neighbour) {
+  constexpr float kMost = 4.0F;
+  const float length = neighbour - here;
+  return length > 1.0F && length < kMost ? length : 1.0F;
+}
+
 /// The way back, at the pixels of the second image that the flow leads to; NaN at those that it does not.
+/// What comes nearer grows: a pixel there becomes several.
 cv::Mat reversed(const cv::Mat& flow) {
   cv::Mat back(flow.size(), CV_32FC2, cv::Scalar::all(std::nan("")));
+  const cv::Rect2f image(-0.5F, -0.5F, static_cast<float>(flow.cols), static_cast<float>(flow.rows));
   for (int row = 0; row < flow.rows; ++row) {
+    const int below = std::min(row + 1, flow.rows - 1);
     for (int column = 0; column < flow.cols; ++column) {
       const auto& vector = flow.at<cv::Vec2f>(row, column);
-      const float u = static_cast<float>(column) + vector[0];
-      const float v = static_cast<float>(row) + vector[1];
-      if (!(u > -0.5F && v > -0.5F && u < static_cast<float>(flow.cols) - 0.5F &&
-            v < static_cast<float>(flow.rows) - 0.5F))
-        continue;
-      // Where two lead to the same place, the one that moves more is usually the nearer.
-      auto& there = back.at<cv::Vec2f>(static_cast<int>(v + 0.5F), static_cast<int>(u + 0.5F));
-      if (!(there.dot(there) >= vector.dot(vector))) there = -vector;
+      const auto x = static_cast<float>(column), y = static_cast<float>(row);
+      const float u = x + vector[0], v = y + vector[1];
+      if (!image.contains({u, v})) continue;
+      const float width =
+          stretched(u, x + 1.0F + flow.at<cv::Vec2f>(row, std::min(column + 1, flow.cols - 1))[0]);
+      const float height = stretched(v, y + 1.0F + flow.at<cv::Vec2f>(below, column)[1]);
+      const int left = static_cast<int>(u + 0.5F), top = static_cast<int>(v + 0.5F);
+      const int right = std::min(flow.cols, std::max(left + 1, static_cast<int>(u + width + 0.5F)));
+      const int bottom = std::min(flow.rows, std::max(top + 1, static_cast<int>(v + height + 0.5F)));
+      for (int to_v = top; to_v < bottom; ++to_v) {
+        for (int to_u = left; to_u < right; ++to_u) {
+          const float du = static_cast<float>(to_u) - u, dv = static_cast<float>(to_v) - v;
+          const cv::Vec2f there(du / width - du - vector[0], dv / height - dv - vector[1]);
+          // Where two lead to the same place, the one that moves more is usually the nearer.
+          auto& known = back.at<cv::Vec2f>(to_v, to_u);
+          if (!(known.dot(known) >= there.dot(there))) known = there;
+        }
+      }
     }
   }
   return back;

@@ -167,6 +167,30 @@ TEST(DisFlow, ExpectedFlowRescuesALargeMotion) {
   EXPECT_EQ(cv::countNonZero(rescued.valid.colRange(345, 480)), 0);
 }
 
+// What comes nearer fills four pixels with one: the start of the way back must not have holes between them.
+TEST(DisFlow, ExpectedFlowOfAnApproachRescuesTheWayBack) {
+  OpticalFlowParams params;
+  params.working_width = 0;
+  params.initialisation = FlowStart::kExpected;
+  params.forward_backward = true;
+  constexpr double kGrows = 2.2;
+  const cv::Mat first = window(160, 90);
+  cv::Mat second, expected(first.size(), CV_32FC2);
+  const cv::Matx23d into_second(kGrows, 0.0, 240.0 * (1.0 - kGrows), 0.0, kGrows, 160.0 * (1.0 - kGrows));
+  cv::warpAffine(first, second, into_second, first.size());
+  const auto growsBy = [](int u, int v, double share) {
+    return cv::Vec2f(static_cast<float>(share * (u - 240)), static_cast<float>(share * (v - 160)));
+  };
+  for (int v = 0; v < expected.rows; ++v)
+    for (int u = 0; u < expected.cols; ++u) expected.at<cv::Vec2f>(v, u) = growsBy(u, v, kGrows - 1.0);
+  const FlowField field = makeOpticalFlow(params)->compute(first, second, expected);
+  int wrong = 0;
+  for (int v = 0; v < expected.rows; ++v)
+    for (int u = 0; u < expected.cols; ++u)
+      if (cv::norm(field.backward.at<cv::Vec2f>(v, u) - growsBy(u, v, 1.0 / kGrows - 1.0)) > 1.0) ++wrong;
+  EXPECT_LT(wrong, 480 * 320 / 100);
+}
+
 TEST(DisFlow, ExpectedFlowIsOnlyAStart) {
   OpticalFlowParams params;
   params.working_width = 0;
