@@ -34,6 +34,7 @@ MotionInput previousPairFromFirst(const MotionInput& pair, const MotionInput& pa
   MotionInput seen = seenFromSecond(pair_before, flow_back, fb_error);
   seen.depth = pair.depth;
   seen.depth_std = pair.depth_std;
+  seen.ground = pair.ground;
   seen.texture_std = pair.texture_std;
   seen.dynamic_points = pair.dynamic_points;
   seen.static_points = pair.static_points;

@@ -108,40 +108,64 @@ float medianOf(const cv::Mat& image, const FloatHistogram& histogram, std::size_
   return *wanted;
 }
 
-/// How far flow is from that of any static world, pixel by pixel: wherever before the ground it may be.
+/// A pair of images and its scores, NaN where it does not judge a pixel.
+struct ScoredPair {
+  const MotionInput& input;
+  const PassConstants& pass;
+  const cv::Mat& scores;
+};
+
+/// How far the flow of a pair is from that of any static world, pixel by pixel: wherever before the ground it
+/// may be.
 class DistanceFromStaticWorld {
  public:
-  DistanceFromStaticWorld(const MotionInput& input, const PassConstants& pass)
-      : input_(input), pass_(pass), slope_(std::tan(input.ground->params.pitch)) {}
+  /// The input must have a ground.
+  DistanceFromStaticWorld(const ScoredPair& pair, const UncertaintyScoreParams& params)
+      : pair_(pair), slope_(std::tan(pair.input.ground->params.pitch)) {
+    // Where depth is drawn wrong, scores are large and distances are not.
+    limit_ = static_cast<float>(params.hysteresis_ratio * scale(params.min_scale) *
+                                uncertainty_terms::chiThreshold(2, params.false_alarm));
+  }
 
+  /// Adds the square of the distance over its limit, where the pair judges the pixel, and counts it.
+  /// NaN where nothing can be told.
+  void addTo(float& squares, float& count, const InputRow& in, int row, int column) const {
+    if (!(pair_.scores.at<float>(row, column) >= 0.0F)) return;
+    const float share = distance(in, row, column) / limit_;
+    squares += share * share;
+    count += 1.0F;
+  }
+  InputRow row(int index) const { return rowOf(pair_.input, index); }
+
+ private:
   /// Standard deviations; NaN where nothing can be told.
-  float operator()(const InputRow& in, int row, int column) const {
-    const GroundRay ground = groundRay(input_.camera, input_.ground->T_base_from_camera, column, row, slope_,
-                                       input_.ground->params.height);
+  float distance(const InputRow& in, int row, int column) const {
+    const GroundPlane& plane = *pair_.input.ground;
+    const GroundRay ground =
+        groundRay(pair_.input.camera, plane.T_base_from_camera, column, row, slope_, plane.params.height);
     return distanceFromStatic(
-        pass_, static_cast<float>(column), static_cast<float>(row), static_cast<float>(ground.rho),
-        in.flows + 2 * static_cast<std::ptrdiff_t>(column), flowNoise(pass_, in, column));
+        pair_.pass, static_cast<float>(column), static_cast<float>(row), static_cast<float>(ground.rho),
+        in.flows + 2 * static_cast<std::ptrdiff_t>(column), flowNoise(pair_.pass, in, column));
   }
 
   /// By how much they are larger than the model says, `least` or more; of a sample of what has a score.
-  double scale(const cv::Mat& scores, double least) const {
+  double scale(double least) const {
     constexpr int kSampling = 8;  // px
     std::vector<float> distances;
-    for (int row = kSampling / 2; row < scores.rows; row += kSampling) {
-      const InputRow in = rowOf(input_, row);
-      for (int column = kSampling / 2; column < scores.cols; column += kSampling) {
-        if (!(scores.at<float>(row, column) >= 0.0F)) continue;
-        const float distance = (*this)(in, row, column);
-        if (distance >= 0.0F) distances.push_back(distance);
+    for (int v = kSampling / 2; v < pair_.scores.rows; v += kSampling) {
+      const InputRow in = row(v);
+      for (int u = kSampling / 2; u < pair_.scores.cols; u += kSampling) {
+        if (!(pair_.scores.at<float>(v, u) >= 0.0F)) continue;
+        const float sample = distance(in, v, u);
+        if (sample >= 0.0F) distances.push_back(sample);
       }
     }
     return scaleOf(static_cast<double>(quantileOf(distances)), least);
   }
 
- private:
-  const MotionInput& input_;
-  const PassConstants& pass_;
+  ScoredPair pair_;
   double slope_;
+  float limit_;
 };
 
 }  // namespace
@@ -156,7 +180,7 @@ void validate(const MotionParams& params) {
 
 struct MotionSegmenter::Workspace {
   MotionResult result;
-  cv::Mat footprints, score_before, seeds, labels;
+  cv::Mat footprints, score_now, score_before, seeds, labels;
   Histograms histograms;
   FloatHistogram sum;
   tbb::enumerable_thread_specific<std::vector<float>> local_candidates;
@@ -168,8 +192,8 @@ struct MotionSegmenter::Workspace {
   void addPairBefore(double scale_ratio);
   void addBelief(const cv::Mat& belief);
   double paperThreshold(const MotionParams& params);
-  void makeMask(const MotionInput& input, const PassConstants& pass, const MotionParams& params);
-  void keepSeeded(const MotionInput& input, const PassConstants& pass, const UncertaintyScoreParams& params);
+  void makeMask(const std::vector<ScoredPair>& pairs, const MotionParams& params);
+  void keepSeeded(const std::vector<ScoredPair>& pairs, const UncertaintyScoreParams& params);
 };
 
 MotionSegmenter::MotionSegmenter(MotionParams params)
@@ -271,30 +295,29 @@ double MotionSegmenter::Workspace::paperThreshold(const MotionParams& params) {
 }
 
 /// Removes the regions of the mask of which too little is dynamic whatever the depth.
-void MotionSegmenter::Workspace::keepSeeded(const MotionInput& input, const PassConstants& pass,
+void MotionSegmenter::Workspace::keepSeeded(const std::vector<ScoredPair>& pairs,
                                             const UncertaintyScoreParams& params) {
+  const MotionInput& input = pairs.front().input;
   const auto high = static_cast<float>(params.hysteresis_ratio * result.threshold);
-  std::optional<DistanceFromStaticWorld> distance;
-  float limit = 0.0F;
-  if (input.ground) {
-    distance.emplace(input, pass);
-    // Where depth is drawn wrong, scores are large and distances are not.
-    limit = static_cast<float>(params.hysteresis_ratio * distance->scale(result.score, params.min_scale) *
-                               uncertainty_terms::chiThreshold(2, params.false_alarm));
-  }
+  std::vector<DistanceFromStaticWorld> worlds;
+  for (const ScoredPair& pair : pairs)
+    if (pair.input.ground) worlds.emplace_back(pair, params);
   const bool with_radar = !input.dynamic_points.empty();
   seeds.create(result.score.size(), CV_8UC1);
   parallelRows(seeds.rows, [&](int row) {
-    const InputRow in = rowOf(input, row);
+    std::vector<InputRow> rows;
+    for (const DistanceFromStaticWorld& world : worlds) rows.push_back(world.row(row));
     const float* scores = result.score.ptr<float>(row);
     const auto* mask = result.mask.ptr<std::uint8_t>(row);
     auto* is_seed = seeds.ptr<std::uint8_t>(row);
     for (int column = 0; column < seeds.cols; ++column) {
       is_seed[column] = static_cast<std::uint8_t>(mask[column] != 0 && scores[column] > high);
-      if (is_seed[column] == 0) continue;
-      if (!distance || (with_radar && footprints.at<std::uint16_t>(row, column) >= kDynamicReturn)) continue;
-      // False where only the past says something.
-      if ((*distance)(in, row, column) <= limit) is_seed[column] = 0;
+      if (is_seed[column] == 0 || worlds.empty()) continue;
+      if (with_radar && footprints.at<std::uint16_t>(row, column) >= kDynamicReturn) continue;
+      float squares = 0.0F, count = 0.0F;
+      for (std::size_t i = 0; i < worlds.size(); ++i) worlds[i].addTo(squares, count, rows[i], row, column);
+      // The root mean square, as of the scores. What the past alone says does not decide.
+      if (squares <= count) is_seed[column] = 0;
     }
   });
   const int regions = cv::connectedComponents(result.mask, labels, 8, CV_32S);
@@ -317,8 +340,8 @@ void MotionSegmenter::Workspace::keepSeeded(const MotionInput& input, const Pass
   });
 }
 
-void MotionSegmenter::Workspace::makeMask(const MotionInput& input, const PassConstants& pass,
-                                          const MotionParams& params) {
+void MotionSegmenter::Workspace::makeMask(const std::vector<ScoredPair>& pairs, const MotionParams& params) {
+  const MotionInput& input = pairs.front().input;
   const cv::Mat& scores = result.score;
   const auto tau = static_cast<float>(result.threshold);
   const bool by_uncertainty = params.score == MotionScore::kUncertainty;
@@ -330,8 +353,7 @@ void MotionSegmenter::Workspace::makeMask(const MotionInput& input, const PassCo
   });
   result.valid_count = static_cast<std::size_t>(cv::countNonZero(result.valid));
   morphology(result.mask, cv::MORPH_OPEN, kernelSize(params.cleanup.opening, input.pixel_scale));
-  if (by_uncertainty && params.uncertainty.hysteresis_ratio > 1.0)
-    keepSeeded(input, pass, params.uncertainty);
+  if (by_uncertainty && params.uncertainty.hysteresis_ratio > 1.0) keepSeeded(pairs, params.uncertainty);
   morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.cleanup.closing, input.pixel_scale));
   if (params.cleanup.border > 0 && !input.grey.empty())
     moveBordersToEdges(result.mask, input, params.cleanup.border / input.pixel_scale);
@@ -382,24 +404,28 @@ MotionResult MotionSegmenter::segment(const MotionInput& input, const MotionInpu
   if (!input.dynamic_points.empty() || !input.static_points.empty())
     work.drawFootprints(input, params_.radar);
   const PassConstants pass(input, params_, result.median_depth);
+  result.median = work.score(input, pass, result.score);
   if (!by_uncertainty) {
-    result.median = work.score(input, pass, result.score);
     result.threshold = work.paperThreshold(params_);
-    work.makeMask(input, pass, params_);
+    work.makeMask({{input, pass, result.score}}, params_);
     return std::exchange(result, {});
   }
-  result.median = work.score(input, pass, result.score);
   result.scale = scaleOf(result.median, params_.uncertainty.min_scale);
+  // Regions ask who judged a pixel.
+  result.score.copyTo(work.score_now);
+  std::vector<ScoredPair> pairs{{input, pass, work.score_now}};
+  std::optional<PassConstants> pass_before;
   if (before != nullptr) {
-    const PassConstants pass_before(*before, params_, result.median_depth);
+    pass_before.emplace(*before, params_, result.median_depth);
+    pairs.push_back({*before, *pass_before, work.score_before});
     const double scale_before =
-        scaleOf(work.score(*before, pass_before, work.score_before), params_.uncertainty.min_scale);
+        scaleOf(work.score(*before, *pass_before, work.score_before), params_.uncertainty.min_scale);
     work.addPairBefore(result.scale / scale_before);
   }
   const int degrees = input.next_depth.empty() ? 2 : 3;
   result.threshold = result.scale * uncertainty_terms::chiThreshold(degrees, params_.uncertainty.false_alarm);
   if (!input.belief.empty()) work.addBelief(input.belief);
-  work.makeMask(input, pass, params_);
+  work.makeMask(pairs, params_);
   return std::exchange(result, {});
 }
 
