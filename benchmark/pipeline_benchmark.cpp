@@ -183,13 +183,14 @@ void masks(benchmark::State& state, bool refine) {
     pipeline.addBackward(pair.second_time, pair.first_time, back);
   };
   next();
+  const cv::Mat first_mask =
+      outcome.result.mask;  // the same pair over and over is no stream that makes sense
   for (auto _ : state) next();
   if (!outcome.looked_back) state.SkipWithError("the pair before is not used");
   if (!refine) return;  // the mover pulls at no motion, but the ground is wrong
   const double scale = 1.0 / pair.pixel_scale;
   const cv::Rect mover(cv::Point(kMover.tl() * scale), cv::Size(kMover.width * 2 / 5, kMover.height * 2 / 5));
-  if (cv::countNonZero(outcome.result.mask(mover)) < mover.area() / 2)
-    state.SkipWithError("the mover is not found");
+  if (cv::countNonZero(first_mask(mover)) < mover.area() / 2) state.SkipWithError("the mover is not found");
 }
 
 BENCHMARK(decode)->Unit(benchmark::kMillisecond);
