@@ -183,8 +183,8 @@ void masks(benchmark::State& state, bool refine) {
     pipeline.addBackward(pair.second_time, pair.first_time, back);
   };
   next();
-  const cv::Mat first_mask =
-      outcome.result.mask;  // the same pair over and over is no stream that makes sense
+  // Its own pair alone judges it: the same pair over and over is no stream that makes sense.
+  const cv::Mat first_mask = outcome.result.mask;
   for (auto _ : state) next();
   if (!outcome.looked_back) state.SkipWithError("the pair before is not used");
   if (!refine) return;  // the mover pulls at no motion, but the ground is wrong
