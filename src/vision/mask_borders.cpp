@@ -26,10 +26,9 @@ constexpr int kWindow = 5;           // px, of that
 constexpr double kSurroundings = 3;  // reaches around a region that are looked at
 constexpr float kNoise = 3.0F;       // variances of the noise that are no change
 constexpr float kScharr = 0.115F;    // the mean square change by noise, over the variance of a difference
-constexpr float kShown = 2.0F;   // grey values, rms, by which a motion must show, for its absence to count
-constexpr float kStill = 0.2F;   // of what it would show, at most, where nothing moves
-constexpr float kLinear = 2.0F;  // px, to which the difference grows with the motion
-constexpr int kSampling = 4;     // px
+constexpr float kShift = 2.0F;       // px, of which a pixel that stands must show the absence
+constexpr float kShown = 0.1F;       // variances of the noise that it must show at least
+constexpr int kSampling = 4;         // px
 
 /// Boxes around the regions, with their surroundings; those that meet are one.
 std::vector<cv::Rect> boxesOf(const cv::Mat& stats, int margin, const cv::Size& image) {
@@ -106,40 +105,70 @@ cv::Mat expectedIn(const ImagePairInput& pair, const cv::Rect& box) {
   return expectedFlow(camera, pair.T_current_from_previous, pair.depth(box));
 }
 
+/// A pair of images, and how the second differs from the first where nothing has moved.
+struct ComparedPair {
+  const ImagePairInput& images;
+  ImageDifference difference;
+};
+
+/// Mean squares of what is left between the images of a pair, were each pixel of the box to go where `flow`
+/// leads: grey values^2.
+cv::Mat unexplainedBy(const cv::Mat& flow, const ComparedPair& pair, const cv::Rect& box) {
+  cv::Mat left;
+  cv::subtract(warpedBack(pair.images.second_grey, flow + cv::Scalar(box.x, box.y)), pair.images.grey(box),
+               left, cv::noArray(), CV_32F);
+  cv::subtract(left, pair.difference.offset, left);
+  cv::multiply(left, left, left);
+  cv::boxFilter(left, left, -1, {kWindow, kWindow});
+  return left;
+}
+
+/// Mean square by which an image changes where it is shifted by 1 px, in the direction in which it does the
+/// least: the smaller eigenvalue. A stripe does not show that it moves along itself.
+float leastChange(const cv::Vec3f& structure) {
+  const float half_sum = 0.5F * (structure[0] + structure[2]),
+              half_difference = 0.5F * (structure[0] - structure[2]);
+  return half_sum - std::sqrt(half_difference * half_difference + structure[1] * structure[1]);
+}
+
 /// How certain the images make it that a marked pixel moves, and that it stands: CV_32FC2, 0 to 1, within the
-/// box. What moves lends its flow to surfaces without texture, whose pixels look as if they stood as well.
-/// @param difference  as of differenceBy, where there is a second image
-cv::Mat certaintyOf(const ImagePairInput& pair, const ImageDifference& difference, const cv::Rect& box) {
-  const cv::Mat grey = pair.grey(box), flow = pair.flow(box), structure = structureOf(grey);
-  cv::Mat certainty(structure.size(), CV_32FC2), expected, unexplained;
-  if (!pair.second_grey.empty()) {
-    expected = expectedIn(pair, box);
-    const cv::Scalar corner(box.x, box.y);
-    cv::subtract(warpedBack(pair.second_grey, expected + corner), grey, unexplained, cv::noArray(), CV_32F);
-    cv::subtract(unexplained, difference.offset, unexplained);
-    cv::multiply(unexplained, unexplained, unexplained);
-    cv::boxFilter(unexplained, unexplained, -1, {kWindow, kWindow});
-  }
+/// box. What moves lends its flow to surfaces without texture, which look as if they stood as well, and to
+/// what one of the images hides, which the other shows where a static world would be.
+/// @param grey   the first image of all pairs
+/// @param pairs  the first of them tells what moves, any what stands
+cv::Mat certaintyOf(const cv::Mat& grey, const std::vector<ComparedPair>& pairs, const cv::Rect& box) {
+  const cv::Mat structure = structureOf(grey(box));
+  cv::Mat certainty(structure.size(), CV_32FC2);
   parallelRows(certainty.rows, [&](int row) {
     auto* to = certainty.ptr<cv::Vec2f>(row);
     const auto* change = structure.ptr<cv::Vec3f>(row);
-    for (int column = 0; column < certainty.cols; ++column) {
-      const float across = change[column][0], both = change[column][1], down = change[column][2];
-      float moves = across + down, stands = 0.0F;
-      if (!expected.empty()) {
-        cv::Vec2f motion = flow.at<cv::Vec2f>(row, column) - expected.at<cv::Vec2f>(row, column);
-        motion *= std::min(1.0F, kLinear / std::sqrt(motion.dot(motion)));
-        const float left = unexplained.at<float>(row, column);
-        // A stripe does not show that it moves along itself.
-        const float would_show = across * motion[0] * motion[0] + 2.0F * both * motion[0] * motion[1] +
-                                 down * motion[1] * motion[1] -
-                                 kScharr * difference.variance * motion.dot(motion);
-        if (would_show > kShown * kShown && left - difference.variance < kStill * would_show)
-          stands = would_show / (4.0F * kShown * kShown);
-        moves = std::min(moves, left - kNoise * difference.variance);
+    for (int column = 0; column < certainty.cols; ++column)
+      to[column] = {change[column][0] + change[column][2], 0.0F};
+  });
+  for (const ComparedPair& pair : pairs) {
+    const float variance = pair.difference.variance;
+    const cv::Mat by_static = unexplainedBy(expectedIn(pair.images, box), pair, box);
+    const cv::Mat by_flow = unexplainedBy(pair.images.flow(box), pair, box);
+    const bool tells_what_moves = &pair == &pairs.front();
+    parallelRows(certainty.rows, [&](int row) {
+      auto* to = certainty.ptr<cv::Vec2f>(row);
+      const auto* change = structure.ptr<cv::Vec3f>(row);
+      const float *of_static = by_static.ptr<float>(row), *of_flow = by_flow.ptr<float>(row);
+      for (int column = 0; column < certainty.cols; ++column) {
+        const float left = of_static[column];
+        const float would_show = kShift * kShift * (leastChange(change[column]) - kScharr * variance);
+        const float shows = std::min(would_show, of_flow[column] - left);
+        if (shows > std::max(kShown * variance, left - variance))
+          to[column][1] = std::max(to[column][1], shows / (4.0F * kShown * variance));
+        if (tells_what_moves) to[column][0] = std::min(to[column][0], left - kNoise * variance);
       }
-      to[column] = {std::clamp(moves / (kChanged * kChanged), kUnknown, 1.0F), std::min(stands, 1.0F)};
-    }
+    });
+  }
+  parallelRows(certainty.rows, [&](int row) {
+    auto* to = certainty.ptr<cv::Vec2f>(row);
+    for (int column = 0; column < certainty.cols; ++column)
+      to[column] = {std::clamp(to[column][0] / (kChanged * kChanged), kUnknown, 1.0F),
+                    std::min(to[column][1], 1.0F)};
   });
   return certainty;
 }
@@ -172,7 +201,8 @@ cv::Mat knownOf(const cv::Mat& mask, const cv::Mat& certainty, const cv::Mat& la
 
 }  // namespace
 
-void moveBordersToEdges(cv::Mat& mask, const ImagePairInput& pair, double reach) {
+void moveBordersToEdges(cv::Mat& mask, const ImagePairInput& pair, double reach,
+                        const ImagePairInput* before) {
   cv::Mat labels, stats, centroids, distances;
   const int regions = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 8, CV_32S);
   if (regions < 2) return;
@@ -187,12 +217,15 @@ void moveBordersToEdges(cv::Mat& mask, const ImagePairInput& pair, double reach)
     }
   }
   for (float& core : cores) core = std::min(kCore * core, static_cast<float>(reach));
-  const ImageDifference difference = pair.second_grey.empty() ? ImageDifference{} : differenceBy(pair);
+  std::vector<ComparedPair> pairs;
+  if (!pair.second_grey.empty()) pairs.push_back({pair, differenceBy(pair)});
+  if (!pairs.empty() && before != nullptr && !before->second_grey.empty())
+    pairs.push_back({*before, differenceBy(*before)});
   const int margin = static_cast<int>(std::ceil(kSurroundings * reach));
   for (const cv::Rect& box : boxesOf(stats, margin, mask.size())) {
     cv::Mat region = mask(box);
     const cv::Mat picture = pair.grey(box).clone();
-    const cv::Mat known = knownOf(region, certaintyOf(pair, difference, box), labels(box), distances(box),
+    const cv::Mat known = knownOf(region, certaintyOf(pair.grey, pairs, box), labels(box), distances(box),
                                   cores, static_cast<float>(reach));
     cv::Mat spread;
     cv::ximgproc::fastGlobalSmootherFilter(picture, known, spread, kSpread * reach * reach, kEdge);

@@ -13,11 +13,14 @@ namespace radar_dot {
 /// deep inside of a region, or far from all, is taken as it is, and spreads into the band between up to where
 /// the image changes: the fast global smoother of Min et al. (IEEE TIP 2014), of the mask over that of one
 /// where it is known. Within regions a pixel counts the more, the more texture there is, and the worse the
-/// second image fits where the static world is expected; where a motion by the flow would show, and does not,
-/// the region is cut.
-/// @param mask   CV_8UC1, 0 or 255, of the pair's first image
-/// @param pair   with `grey`; without `second_grey` the texture alone counts
-/// @param reach  px of the mask, half the width of the band; narrower within small regions
-void moveBordersToEdges(cv::Mat& mask, const ImagePairInput& pair, double reach);
+/// second image fits where the static world is expected. Where the second or the previous image shows there
+/// what the first one does, better than where the flow leads, and would show a shift in any direction, the
+/// region is cut.
+/// @param mask    CV_8UC1, 0 or 255, of the pair's first image
+/// @param pair    with `grey`; without `second_grey` the texture alone counts
+/// @param reach   px of the mask, half the width of the band; narrower within small regions
+/// @param before  the first image with the previous one (MotionSegmenter::segment); or null
+void moveBordersToEdges(cv::Mat& mask, const ImagePairInput& pair, double reach,
+                        const ImagePairInput* before = nullptr);
 
 }  // namespace radar_dot

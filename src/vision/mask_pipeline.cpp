@@ -248,8 +248,9 @@ void MaskPipeline::remember(const MaskPair& pair, const MaskOutcome& outcome) {
   previous_ = Previous{pair.first_time, pair.second_time, outcome.input, logOdds(outcome.result)};
   MotionInput& input = previous_->input;
   static_cast<MotionEvidence&>(input) = {};
-  input.flow = input.grey = input.second_grey = input.flow_valid = input.fb_error = input.texture_std =
+  input.flow = input.second_grey = input.flow_valid = input.fb_error = input.texture_std =
       input.depth_std = cv::Mat();
+  input.grey = input.grey.clone();
   input.depth = input.depth.clone();
   input.next_depth = input.next_depth.clone();
   const auto is_used = [&pair](const Backward& backward) { return backward.from <= pair.first_time; };

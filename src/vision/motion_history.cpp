@@ -32,6 +32,8 @@ MotionInput seenFromSecond(const MotionInput& pair, const cv::Mat& flow, const c
 MotionInput previousPairFromFirst(const MotionInput& pair, const MotionInput& pair_before,
                                   const cv::Mat& flow_back, const cv::Mat& fb_error) {
   MotionInput seen = seenFromSecond(pair_before, flow_back, fb_error);
+  seen.grey = pair.grey;
+  seen.second_grey = pair_before.grey;
   seen.depth = pair.depth;
   seen.depth_std = pair.depth_std;
   seen.ground = pair.ground;

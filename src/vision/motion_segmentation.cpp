@@ -356,7 +356,8 @@ void MotionSegmenter::Workspace::makeMask(const std::vector<ScoredPair>& pairs, 
   if (by_uncertainty && params.uncertainty.hysteresis_ratio > 1.0) keepSeeded(pairs, params.uncertainty);
   morphology(result.mask, cv::MORPH_CLOSE, kernelSize(params.cleanup.closing, input.pixel_scale));
   if (params.cleanup.border > 0 && !input.grey.empty())
-    moveBordersToEdges(result.mask, input, params.cleanup.border / input.pixel_scale);
+    moveBordersToEdges(result.mask, input, params.cleanup.border / input.pixel_scale,
+                       pairs.size() > 1 ? &pairs.back().input : nullptr);
   // Closing reaches over excluded pixels, of which nothing is known.
   cv::bitwise_and(result.mask, result.valid, result.mask);
 }

@@ -67,7 +67,7 @@ struct PaperScoreParams {
 struct UncertaintyScoreParams {
   FlowDepthNoise noise;
   double next_depth_std = 0.5;
-  double false_alarm = 1e-3;
+  double false_alarm = 2e-3;
   double min_scale = 0.6;
   double hysteresis_ratio = 1.75;
   double seed_share = 0.2;
