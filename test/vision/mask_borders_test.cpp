@@ -91,28 +91,33 @@ TEST(MaskBorders, WhatMovesLendsItsFlowToSurfacesWithoutTexture) {
   EXPECT_GT(cv::countNonZero(kept(cv::Rect(170, 85, 15, 20))), 250);  // of 300
 }
 
-// The flow says that a car and the road beside it move by 3 px. Both have texture.
-TEST(MaskBorders, WhereTheSecondImageShowsTheFirstNothingMoves) {
-  const cv::Mat car = disc({120, 90}, 28), marked = car.clone();
-  marked(cv::Rect(120, 75, 90, 40)).setTo(255);
+/// Texture that is found again wherever it goes.
+cv::Mat texture() {
   cv::Mat pattern(kSize, CV_8UC1);
   cv::theRNG().state = 3;
   cv::randu(pattern, 0, 120);
   cv::GaussianBlur(pattern, pattern, {5, 5}, 1.2);
-  const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, 3, 0, 1, 0);
-  const cv::Mat none = cv::Mat::zeros(kSize, CV_8UC1);
-  ImagePairInput pair = pairOf(picture(none, 0, 80) + pattern);
+  return pattern;
+}
+
+/// Another image of a background, with what is in a mask of an image moved to the right by some px.
+cv::Mat withMoved(const cv::Mat& background, const cv::Mat& grey, const cv::Mat& what, double by,
+                  int brighter = 0) {
+  const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, by, 0, 1, 0);
+  cv::Mat moved, to = background.clone(), noise(kSize, CV_8UC1);
+  cv::warpAffine(grey & what, moved, shift, kSize);
+  moved.copyTo(to, moved > 0);
+  cv::randn(noise, 8.0, 1.5);
+  return to + noise - 8 + brighter;
+}
+
+// The flow says that a car and the road beside it move by 3 px. Both have texture.
+TEST(MaskBorders, WhereTheSecondImageShowsTheFirstNothingMoves) {
+  const cv::Mat car = disc({120, 90}, 28), marked = car.clone(), none = cv::Mat::zeros(kSize, CV_8UC1);
+  marked(cv::Rect(120, 75, 90, 40)).setTo(255);
+  ImagePairInput pair = pairOf(picture(none, 0, 80) + texture());
   pair.grey += picture(none, 0, 60) & car;  // a car that is brighter
   pair.flow.setTo(cv::Scalar(3.0, 0.0), marked);
-  const auto second = [&](const cv::Mat& what_moves, int brighter) {
-    cv::Mat moved;
-    cv::warpAffine(pair.grey & what_moves, moved, shift, kSize);
-    cv::Mat to = pair.grey.clone();
-    moved.copyTo(to, moved > 0);
-    cv::Mat noise(kSize, CV_8UC1);
-    cv::randn(noise, 8.0, 1.5);
-    return cv::Mat(to + noise - 8 + brighter);
-  };
   const auto cut = [&](const cv::Mat& second_grey) {
     pair.second_grey = second_grey;
     cv::Mat mask = marked.clone();
@@ -121,12 +126,34 @@ TEST(MaskBorders, WhereTheSecondImageShowsTheFirstNothingMoves) {
   };
   const cv::Rect road(170, 85, 30, 20);
   for (const int brighter : {0, 10}) {
-    const cv::Mat mask = cut(second(car, brighter));
+    const cv::Mat mask = cut(withMoved(pair.grey, pair.grey, car, 3.0, brighter));
     EXPECT_GT(overlap(mask, car), 0.85);
     EXPECT_EQ(cv::countNonZero(mask(road)), 0);
   }
-  EXPECT_GT(cv::countNonZero(cut(second(marked, 0))(road)), 500);  // of 600
+  EXPECT_GT(cv::countNonZero(cut(withMoved(pair.grey, pair.grey, marked, 3.0))(road)), 500);  // of 600
   EXPECT_GT(cv::countNonZero(cut({})(road)), 500);
+}
+
+// A car that moves by 30 px hides the road beside it in the second image. The flow there is that of the car.
+TEST(MaskBorders, WhatTheSecondImageHidesStandsAsThePreviousImageShows) {
+  const cv::Mat none = cv::Mat::zeros(kSize, CV_8UC1);
+  cv::Mat car = none.clone(), marked = none.clone();
+  car(cv::Rect(100, 60, 60, 60)).setTo(255);
+  marked(cv::Rect(100, 60, 90, 60)).setTo(255);
+  const cv::Mat background = picture(none, 0, 80) + texture();
+  ImagePairInput pair = pairOf(background + (picture(none, 0, 60) & car));
+  pair.second_grey = withMoved(background, pair.grey, car, 30.0);
+  pair.flow.setTo(cv::Scalar(30.0, 0.0), marked);
+  ImagePairInput before = pair;
+  before.flow = -pair.flow;
+  before.second_grey = withMoved(background, pair.grey, car, -30.0);
+  const cv::Rect hidden(164, 64, 22, 52);
+  cv::Mat alone = marked.clone(), both = marked.clone();
+  moveBordersToEdges(alone, pair, kReach);
+  moveBordersToEdges(both, pair, kReach, &before);
+  EXPECT_GT(cv::countNonZero(alone(hidden)), hidden.area() / 3);
+  EXPECT_LT(cv::countNonZero(both(hidden)), hidden.area() / 20);
+  EXPECT_GT(overlap(both, car), 0.9);
 }
 
 TEST(MaskBorders, WhatIsSmallIsKept) {

@@ -105,6 +105,43 @@ TEST(MaskPipeline, WhatAMoverUncoversDoesNotMove) {
   EXPECT_EQ(cv::countNonZero(outcome.result.valid(wall)), 0) << "nothing is known of it";
 }
 
+// The camera stands. Something hides a patch of the wall in the third image, and lends it its flow, both
+// ways.
+TEST(MaskPipeline, WhatThePreviousImageShowsStands) {
+  cv::Mat wall(kHeight, kWidth, CV_8UC1), other = wall.clone();
+  cv::theRNG().state = 5;
+  cv::randu(wall, 0, 256);
+  cv::randu(other, 0, 256);
+  cv::Mat hidden = wall.clone();
+  other(kPatch).copyTo(hidden(kPatch));
+  const auto standing = [&wall](int first) {
+    MaskPair pair = Drive::pair(first, first + 1);
+    pair.T_first_from_second.setIdentity();
+    pair.depth = pair.next_depth = Drive::depthAt(0);
+    pair.flow.flow.setTo(cv::Scalar::all(0.0));
+    pair.flow.grey = wall.clone();
+    return pair;
+  };
+  const auto marked = [&](bool look_back) {
+    MaskPipelineParams params = Drive::params();
+    params.look_back = look_back;
+    params.motion.cleanup.border = 4;
+    MaskPipeline pipeline(params);
+    const MaskPair first = standing(0);
+    pipeline.process(first);
+    FlowField back = standing(1).flow;
+    back.flow(kPatch).setTo(cv::Scalar(0.0, -10.0));
+    pipeline.addBackward(kStep, 0.0, back);
+    MaskPair next = standing(1);
+    next.flow.flow(kPatch).setTo(cv::Scalar(0.0, 10.0));
+    next.flow.second_grey = hidden;
+    cv::Mat(first.flow.grey).setTo(0);  // what the pipeline keeps is its own
+    return cv::countNonZero(pipeline.process(next).result.mask);
+  };
+  EXPECT_GT(marked(false), kPatch.area() / 2);
+  EXPECT_EQ(marked(true), 0);
+}
+
 TEST(MaskPipeline, RemembersThePreviousMask) {
   MaskPipelineParams params = Drive::params();
   params.memory = 10.0;
