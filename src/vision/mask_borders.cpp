@@ -23,21 +23,26 @@ constexpr double kSpread = 7.0;      // of the smoother, over the square of the 
 constexpr double kEdge = 4.0;        // grey values from px to px that hold it up, to 1/e
 constexpr float kChanged = 1.5F;     // grey values, rms, that make a marked pixel certain
 constexpr int kWindow = 5;           // px, of that
-constexpr double kSurroundings = 3;  // reaches around a region that are looked at
+constexpr double kSurroundings = 1.5;  // reaches around a region that are looked at
 constexpr float kNoise = 3.0F;       // variances of the noise that are no change
 constexpr float kScharr = 0.115F;    // the mean square change by noise, over the variance of a difference
 constexpr float kShift = 2.0F;       // px, of which a pixel that stands must show the absence
 constexpr float kShown = 0.1F;       // variances of the noise that it must show at least
 constexpr int kSampling = 4;         // px
 
+cv::Rect grown(const cv::Rect& box, int margin, const cv::Size& image) {
+  return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+         cv::Rect({}, image);
+}
+
 /// Boxes around the regions, with their surroundings; those that meet are one.
 std::vector<cv::Rect> boxesOf(const cv::Mat& stats, int margin, const cv::Size& image) {
   std::vector<cv::Rect> boxes;
   for (int i = 1; i < stats.rows; ++i) {
     const int* region = stats.ptr<int>(i);
-    cv::Rect box = cv::Rect(region[cv::CC_STAT_LEFT] - margin, region[cv::CC_STAT_TOP] - margin,
-                            region[cv::CC_STAT_WIDTH] + 2 * margin, region[cv::CC_STAT_HEIGHT] + 2 * margin) &
-                   cv::Rect({}, image);
+    cv::Rect box = grown({region[cv::CC_STAT_LEFT], region[cv::CC_STAT_TOP], region[cv::CC_STAT_WIDTH],
+                          region[cv::CC_STAT_HEIGHT]},
+                         margin, image);
     const auto meets = [&box](const cv::Rect& other) { return (other & box).area() > 0; };
     for (auto other = std::find_if(boxes.begin(), boxes.end(), meets); other != boxes.end();
          other = std::find_if(boxes.begin(), boxes.end(), meets)) {
@@ -174,6 +179,7 @@ cv::Mat certaintyOf(const cv::Mat& grey, const std::vector<ComparedPair>& pairs,
 }
 
 /// Weighted mask and weight, CV_32FC2: 1 where the mask is taken as it is.
+/// @param certainty      as of certaintyOf, where the mask is marked
 /// @param inside, cores  px, distances within regions from their borders, and where by label their cores
 /// begin
 cv::Mat knownOf(const cv::Mat& mask, const cv::Mat& certainty, const cv::Mat& labels, const cv::Mat& inside,
@@ -225,8 +231,11 @@ void moveBordersToEdges(cv::Mat& mask, const ImagePairInput& pair, double reach,
   for (const cv::Rect& box : boxesOf(stats, margin, mask.size())) {
     cv::Mat region = mask(box);
     const cv::Mat picture = pair.grey(box).clone();
-    const cv::Mat known = knownOf(region, certaintyOf(pair.grey, pairs, box), labels(box), distances(box),
-                                  cores, static_cast<float>(reach));
+    cv::Mat certainty(box.size(), CV_32FC2);
+    const cv::Rect marked = grown(cv::boundingRect(region), kWindow / 2, box.size());
+    certaintyOf(pair.grey, pairs, marked + box.tl()).copyTo(certainty(marked));
+    const cv::Mat known =
+        knownOf(region, certainty, labels(box), distances(box), cores, static_cast<float>(reach));
     cv::Mat spread;
     cv::ximgproc::fastGlobalSmootherFilter(picture, known, spread, kSpread * reach * reach, kEdge);
     for (int row = 0; row < region.rows; ++row) {
