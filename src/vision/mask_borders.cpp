@@ -17,18 +17,18 @@
 namespace radar_dot {
 namespace {
 
-constexpr float kCore = 0.4F;        // of the largest distance of a region from its border: always inside
-constexpr float kUnknown = 0.003F;   // weight of what is in the band
-constexpr double kSpread = 7.0;      // of the smoother, over the square of the reach
-constexpr double kEdge = 4.0;        // grey values from px to px that hold it up, to 1/e
-constexpr float kChanged = 1.5F;     // grey values, rms, that make a marked pixel certain
-constexpr int kWindow = 5;           // px, of that
+constexpr float kCore = 0.4F;          // of the largest distance of a region from its border: always inside
+constexpr float kUnknown = 0.003F;     // weight of what is in the band
+constexpr double kSpread = 7.0;        // of the smoother, over the square of the reach
+constexpr double kEdge = 4.0;          // grey values from px to px that hold it up, to 1/e
+constexpr float kChanged = 1.5F;       // grey values, rms, that make a marked pixel certain
+constexpr int kWindow = 5;             // px, of that
 constexpr double kSurroundings = 1.5;  // reaches around a region that are looked at
-constexpr float kNoise = 3.0F;       // variances of the noise that are no change
-constexpr float kScharr = 0.115F;    // the mean square change by noise, over the variance of a difference
-constexpr float kShift = 2.0F;       // px, of which a pixel that stands must show the absence
-constexpr float kShown = 0.1F;       // variances of the noise that it must show at least
-constexpr int kSampling = 4;         // px
+constexpr float kNoise = 3.0F;         // variances of the noise that are no change
+constexpr float kScharr = 0.115F;      // the mean square change by noise, over the variance of a difference
+constexpr float kShift = 2.0F;         // px, of which a pixel that stands must show the absence
+constexpr float kShown = 0.1F;         // variances of the noise that it must show at least
+constexpr int kSampling = 4;           // px
 
 cv::Rect grown(const cv::Rect& box, int margin, const cv::Size& image) {
   return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &

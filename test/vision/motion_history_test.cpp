@@ -46,6 +46,7 @@ class Wall {
     params.score = MotionScore::kUncertainty;
     params.uncertainty.noise.flow_std = 0.5;
     params.uncertainty.noise.depth_std = 0.05;
+    params.uncertainty.false_alarm = 1e-3;
     params.cleanup.opening = params.cleanup.closing = 0;
     params.uncertainty.hysteresis_ratio = params.uncertainty.min_scale = 1.0;
     return params;
