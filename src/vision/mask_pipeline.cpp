@@ -248,8 +248,8 @@ void MaskPipeline::remember(const MaskPair& pair, const MaskOutcome& outcome) {
   previous_ = Previous{pair.first_time, pair.second_time, outcome.input, logOdds(outcome.result)};
   MotionInput& input = previous_->input;
   static_cast<MotionEvidence&>(input) = {};
-  input.flow = input.second_grey = input.flow_valid = input.fb_error = input.texture_std =
-      input.depth_std = cv::Mat();
+  input.flow = input.second_grey = input.flow_valid = input.fb_error = input.texture_std = input.depth_std =
+      cv::Mat();
   input.grey = input.grey.clone();
   input.depth = input.depth.clone();
   input.next_depth = input.next_depth.clone();
