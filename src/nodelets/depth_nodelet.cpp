@@ -20,7 +20,10 @@ constexpr float kNearest = 1e-3F;  // m; as of a denormal number, 1 / depth woul
 std::unique_ptr<DepthEstimator> estimatorOf(const DepthParams& params) {
   const auto& network = params.network;
   if (params.backend == kMotionBackend)
-    throw InvalidParameter({"depth_backend"}, "depth_backend motion is for evaluation so far");
+    throw InvalidParameter(
+        {"depth_backend"},
+        "depth_backend motion needs flow, which waits for depth: the segmentation publishes "
+        "this depth as depth/motion");
   return made(params, {&params.backend, &network.model, &network.device, &network.threads},
               makeDepthEstimator);
 }

@@ -45,12 +45,12 @@ void DynamicSegmentationNodelet::setUpInputs() {
   listenToClouds("radar/dynamic", *dynamic_returns_,
                  {false, [this] { return config_.motion.radar.dynamic_gain > 0.0; },
                   [this] { dynamic_returns_->clear(); }});
-  backward_input_ = &listen<Flow>("flow/backward", 3,
-                                  [this](const FlowConstPtr& flow) {
-                                    pipeline_.addBackward(flow->header.stamp.toSec(),
-                                                          flow->second_stamp.toSec(), flowOf(*flow));
-                                  },
-                                  {false, [this] { return config_.usesBackwardFlow(); }, {}});
+  backward_input_ = &listen<Flow>(
+      "flow/backward", 3,
+      [this](const FlowConstPtr& flow) {
+        pipeline_.addBackward(flow->header.stamp.toSec(), flow->second_stamp.toSec(), flowOf(*flow));
+      },
+      {false, [this] { return config_.usesBackwardFlow() || wantsMotionDepth(); }, {}});
   depth_std_input_ = &listen<Image>(
       "depth/uncertainty", 5, [this](const sensor_msgs::ImageConstPtr& std) { waiting_.addDepthStd(std); },
       {false, [this] { return config_.usesDepthUncertainty(); }, [this] { waiting_.clearDepthStds(); }});
@@ -65,6 +65,8 @@ void DynamicSegmentationNodelet::setUpOutputs() {
   expected_flow_publisher_ = handle.advertise<sensor_msgs::Image>("dynamic/expected_flow", 3);
   refined_publisher_ = handle.advertise<geometry_msgs::TwistWithCovarianceStamped>("ego/twist_refined", 3);
   residual_publisher_ = handle.advertise<sensor_msgs::Image>("dynamic/residual", 3);
+  motion_depth_publisher_ = handle.advertise<sensor_msgs::Image>("depth/motion", 3);
+  motion_depth_std_publisher_ = handle.advertise<sensor_msgs::Image>("depth/motion/uncertainty", 3);
 }
 
 void DynamicSegmentationNodelet::apply(const DynamicSegmentationConfig& config) {
@@ -83,9 +85,14 @@ void DynamicSegmentationNodelet::clearHistory() {
 
 bool DynamicSegmentationNodelet::hasAudience() const {
   return mask_publisher_.getNumSubscribers() + valid_publisher_.getNumSubscribers() +
-             score_publisher_.getNumSubscribers() + expected_flow_publisher_.getNumSubscribers() +
-             residual_publisher_.getNumSubscribers() + refined_publisher_.getNumSubscribers() >
-         0;
+                 score_publisher_.getNumSubscribers() + expected_flow_publisher_.getNumSubscribers() +
+                 residual_publisher_.getNumSubscribers() + refined_publisher_.getNumSubscribers() >
+             0 ||
+         wantsMotionDepth();
+}
+
+bool DynamicSegmentationNodelet::wantsMotionDepth() const {
+  return motion_depth_publisher_.getNumSubscribers() + motion_depth_std_publisher_.getNumSubscribers() > 0;
 }
 
 void DynamicSegmentationNodelet::drop(const std::string& reason) {
@@ -182,6 +189,7 @@ void DynamicSegmentationNodelet::placeOnGrid(Inputs& inputs) const {
   pair.depth = place(radar_dot::depthOf(*messages.depth), *depth_input_);
   if (messages.next_depth) pair.next_depth = place(radar_dot::depthOf(*messages.next_depth), *depth_input_);
   if (messages.depth_std) pair.depth_std = place(depthStdOf(*messages.depth_std), *depth_std_input_);
+  pair.wants_motion_depth = wantsMotionDepth();
 }
 
 void DynamicSegmentationNodelet::addRadarPoints(Inputs& inputs) {

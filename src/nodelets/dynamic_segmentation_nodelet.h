@@ -36,6 +36,7 @@ class DynamicSegmentationNodelet : public ConfiguredNodelet<DynamicSegmentationC
   void setUpInputs();
   void setUpOutputs();
   bool hasAudience() const override;
+  bool wantsMotionDepth() const;
   void apply(const DynamicSegmentationConfig& config) override;
   void tick() override {
     guard(*flow_input_, [this] { processQueue(); });
@@ -66,7 +67,8 @@ class DynamicSegmentationNodelet : public ConfiguredNodelet<DynamicSegmentationC
                *twist_input_ = nullptr, *backward_input_ = nullptr, *depth_std_input_ = nullptr;
   std::unique_ptr<image_transport::ImageTransport> transport_;
   image_transport::Publisher mask_publisher_, valid_publisher_;
-  ros::Publisher score_publisher_, expected_flow_publisher_, residual_publisher_, refined_publisher_;
+  ros::Publisher score_publisher_, expected_flow_publisher_, residual_publisher_, refined_publisher_,
+      motion_depth_publisher_, motion_depth_std_publisher_;
 
   // Of the latest mask.
   double computation_time_ = 0.0, latency_ = 0.0, valid_share_ = 0.0, mask_share_ = 0.0;

@@ -4,6 +4,7 @@
 // The outputs of DynamicSegmentationNodelet.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 
 #include "nodelets/dynamic_segmentation_nodelet.h"
@@ -47,6 +48,19 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MaskOutcome
     valid_publisher_.publish(imageMessage(header, "mono8", resizeNearest(result.valid, size)));
   if (score_publisher_.getNumSubscribers() > 0)
     score_publisher_.publish(imageMessage(header, "32FC1", result.score));
+  if (inputs.pair.wants_motion_depth && outcome.motion_depth) {
+    // Where something moves, the given depth is the better one.
+    const MotionDepthResult& depth = *outcome.motion_depth;
+    const cv::Mat refused = depth.origin == static_cast<int>(DepthOrigin::kRefused);
+    const auto publish_depth = [&](const ros::Publisher& publisher, const cv::Mat& values) {
+      if (publisher.getNumSubscribers() == 0) return;
+      cv::Mat shown = values.clone();
+      shown.setTo(std::numeric_limits<double>::quiet_NaN(), refused);
+      publisher.publish(imageMessage(header, "32FC1", shown));
+    };
+    publish_depth(motion_depth_std_publisher_, depth.relative_std);  // first, as in Depth
+    publish_depth(motion_depth_publisher_, depth.depth);
+  }
   yaw_rates_.expire(std::max(inputs.pair.first_time, inputs.pair.second_time));
   if (config_.refine) {
     const StampedTwist velocity = refinedVelocity(inputs.pair, input);

@@ -215,32 +215,39 @@ cv::Mat MaskPipeline::beliefFor(const MaskPair& pair, const FlowField* backward)
                        forgetting(pair.first_time - previous_->first_time, params_.memory));
 }
 
-/// Takes the followed depth where it was measured, and neither radar nor an earlier mask speaks for a mover:
-/// on what moves along with the epipolar line it is wrong, and sure of itself.
-void MaskPipeline::followDepth(const MaskPair& pair, const FlowField* backward, const cv::Mat& belief,
-                               MotionInput& input) {
+/// Of the inverse depth, relative; a copy.
+cv::Mat MaskPipeline::priorStd(const MotionInput& input) const {
+  return input.depth_std.empty()
+             ? cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(params_.motion.uncertainty.noise.depth_std))
+             : input.depth_std.clone();
+}
+
+MotionDepthResult MaskPipeline::followDepth(const MaskPair& pair, const FlowField* backward,
+                                            const MotionInput& input) {
   MotionDepthInput seen{
       pair.camera, pair.pixel_scale, pair.first_time,
-      input.depth, input.depth_std,  farthestGround(pair.camera, pair.T_base_from_camera, params_.ground),
+      input.depth, priorStd(input),  farthestGround(pair.camera, pair.T_base_from_camera, params_.ground),
       {}};
-  if (seen.prior_std.empty())
-    seen.prior_std =
-        cv::Mat(input.depth.size(), CV_32FC1, cv::Scalar(params_.motion.uncertainty.noise.depth_std));
   if (backward != nullptr && !backward->fb_error.empty()) {
     seen.step =
         MotionDepthInput::Step{previous_->first_time, previous_->input.T_current_from_previous,
                                previous_->input.motion_covariance, backward->flow, backward->fb_error};
   }
-  const MotionDepthResult followed = depth_.update(seen);
+  return depth_.update(seen);
+}
+
+/// Takes the followed depth where it was measured, and neither radar nor an earlier mask speaks for a mover:
+/// on what moves along with the epipolar line it is wrong, and sure of itself.
+void MaskPipeline::takeDepth(const MotionDepthResult& followed, MotionInput& input) const {
   if (!followed.followed) return;
   cv::Mat is_static = followed.origin == static_cast<int>(DepthOrigin::kMotion);
   cv::Mat returns = cv::Mat::zeros(is_static.size(), CV_16UC1);
-  drawReturns(pair.camera, input.dynamic_points, params_.motion.radar, 1, returns);
+  drawReturns(input.camera, input.dynamic_points, params_.motion.radar, 1, returns);
   is_static.setTo(0, returns > 0);
-  if (!belief.empty()) is_static.setTo(0, belief > 0.0);
+  if (!input.belief.empty()) is_static.setTo(0, input.belief > 0.0);
   input.depth = input.depth.clone();
   followed.depth.copyTo(input.depth, is_static);
-  input.depth_std = seen.prior_std.clone();
+  input.depth_std = priorStd(input);
   followed.relative_std.copyTo(input.depth_std, is_static);
 }
 
@@ -271,7 +278,9 @@ MaskOutcome MaskPipeline::process(const MaskPair& pair) {
   const FlowField* backward = backwardTo(pair);
   if (params_.remembers()) input.belief = beliefFor(pair, backward);
   if (!ignored.empty() && !input.belief.empty()) input.belief.setTo(kUnknown, ignored);
-  if (params_.followsDepth()) followDepth(pair, backward, input.belief, input);
+  if (params_.followsDepth() || pair.wants_motion_depth)
+    outcome.motion_depth = followDepth(pair, backward, input);
+  if (params_.followsDepth()) takeDepth(*outcome.motion_depth, input);
   std::optional<MotionInput> before;
   if (params_.looksBack() && backward != nullptr) {
     before = previousPairFromFirst(input, previous_->input, backward->flow, backward->fb_error);
@@ -281,7 +290,7 @@ MaskOutcome MaskPipeline::process(const MaskPair& pair) {
   }
   outcome.looked_back = before.has_value();
   outcome.result = segmenter_.segment(input, before ? &*before : nullptr);
-  if (params_.usesBackwardFlow()) remember(pair, outcome);
+  if (params_.usesBackwardFlow() || pair.wants_motion_depth) remember(pair, outcome);
   return outcome;
 }
 

@@ -3,6 +3,8 @@
 #include "radar_dot/vision/motion_refinement.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -30,6 +32,8 @@ constexpr std::size_t kLeastPixels = 50;
 constexpr double kMedianOfChiSquare = 1.3863;  // 2 degrees of freedom
 constexpr double kExact = 1e-12;               // variances that stand for zero: a prior that holds
 constexpr double kNegligible = 1e-4;           // change of the unknowns, squared, in units of their sigma
+constexpr double kCredible = 11.34;            // squared sigmas that one of a hundred rotations exceeds
+constexpr double kTightestTurn = 4.0;          // m, radius
 
 struct Pixel {
   double u = 0.0, v = 0.0;
@@ -59,6 +63,7 @@ class Refiner {
       height_ = ground->params.height;
     }
     prior_information_ = prior.llt().solve(Matrix8::Identity());
+    setUpRotation();
     collect();
   }
 
@@ -86,6 +91,8 @@ class Refiner {
   }
 
  private:
+  void setUpRotation();
+  double rotationWeight() const;
   void collect();
   bool residual(const Pixel& pixel, Eigen::Vector2d& r, Eigen::Matrix2d& information,
                 Jacobian& jacobian) const;
@@ -100,6 +107,8 @@ class Refiner {
   double slope_ = 0.0, height_ = 0.0;  // of the ground that was drawn
   std::vector<Pixel> pixels_;
   Matrix8 prior_information_, information_;
+  Eigen::Matrix3d rotation_information_ = Eigen::Matrix3d::Zero();  // of the prior; zero: it holds
+  double least_rotation_weight_ = 1.0;
   Vector8 total_ = Vector8::Zero();
 
   // Of one step, kept for their memory.
@@ -112,6 +121,23 @@ class Refiner {
   std::vector<Term> terms_;
   std::vector<double> distances_;
 };
+
+void Refiner::setUpRotation() {
+  const Eigen::Matrix3d covariance = input_.motion_covariance.topLeftCorner<3, 3>();
+  const double smallest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()[0];
+  if (!(smallest > kExact)) return;
+  rotation_information_ = covariance.inverse();
+  const double largest_turn = motion_.translation().norm() / kTightestTurn;
+  least_rotation_weight_ = 1.0 / (1.0 + largest_turn * largest_turn / smallest);
+}
+
+/// A rotation that the image contradicts, wrong or late, loses its weight as pixels do. But a vehicle that
+/// stands does not turn, whatever fills its image: no more than its way allows.
+double Refiner::rotationWeight() const {
+  const Eigen::Vector3d omega = total_.head<3>();
+  const double closeness = 1.0 / (1.0 + omega.dot(rotation_information_ * omega) / kCredible);
+  return std::max(least_rotation_weight_, closeness * closeness);
+}
 
 void Refiner::collect() {
   const CameraIntrinsics& camera = input_.camera;
@@ -208,7 +234,9 @@ double Refiner::step() {
   const double width = 2.0 * params_.kernel_width * scale;  // the expectation of chi-square is 2
   const double share = std::min(1.0, params_.independent_pixels / static_cast<double>(terms_.size())) / scale;
   information_ = prior_information_;
-  Vector8 gradient = -prior_information_ * total_;
+  // The translation keeps its prior given the rotation: with a turn goes the way of the lever arm.
+  information_.topLeftCorner<3, 3>() -= (1.0 - rotationWeight()) * rotation_information_;
+  Vector8 gradient = -information_ * total_;
   for (const Term& term : terms_) {
     const double closeness = 1.0 / (1.0 + term.distance / width);
     const double weight = share * closeness * closeness;

@@ -232,6 +232,30 @@ TEST_F(SegmentationFaults, TheRefinedMotionIsPublished) {
   ASSERT_TRUE(choose({{"refine", false}}));
 }
 
+// The wall is said to be twice as far as it is; the flow tells. Nothing else needs the flow back.
+TEST_F(SegmentationFaults, DepthFromMotionIsPublished) {
+  world_.set([](Frame& frame) {
+    frame.depth = imageOf(frame.depth.header.stamp, "32FC1", 2.0 * matOf(frame.depth, CV_32FC1));
+    frame.flow_back.fb_error =
+        imageOf(frame.flow_back.header.stamp, "32FC1",
+                cv::Mat(VisionWorld::kGridHeight, VisionWorld::kGridWidth, CV_32FC1, cv::Scalar(0.1)));
+  });
+  const Recorder<Image> depths(handle_, "depth/motion"), stds(handle_, "depth/motion/uncertainty");
+  ASSERT_TRUE(depths.grows(10));
+  const Image depth = *depths.latest();
+  EXPECT_EQ(depth.header.frame_id, VisionWorld::kCameraFrame);
+  // Aside of where the camera drives to; the wall, at the same distance in each image, is predicted nearer.
+  const cv::Point pixel(5, 45);
+  EXPECT_NEAR(matOf(depth, CV_32FC1).at<float>(pixel), VisionWorld::kDepth, 0.25 * VisionWorld::kDepth);
+  bool found = false;
+  for (const auto& std : stds.messages()) {
+    if (std->header.stamp != depth.header.stamp) continue;
+    found = true;
+    EXPECT_LT(matOf(*std, CV_32FC1).at<float>(pixel), 0.2F);
+  }
+  EXPECT_TRUE(found);
+}
+
 // The score with the uncertainty that comes with the depth.
 class DepthUncertainty : public SegmentationFaults {
  protected:

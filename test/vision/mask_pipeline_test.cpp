@@ -155,14 +155,12 @@ TEST(MaskPipeline, RemembersThePreviousMask) {
 }
 
 // The wall is said to be twice as far as it is; the flow tells.
-TEST(MaskPipeline, FollowsDepthWhereNothingSpeaksForAMover) {
-  MaskPipelineParams params = Drive::params();
-  params.motion_depth = true;
-  params.use_depth_uncertainty = true;
+MaskOutcome withDepthTwiceAsFar(const MaskPipelineParams& params, bool wants_motion_depth) {
   MaskPipeline pipeline(params);
   MaskOutcome outcome;
   for (int image = 0; image < 8; ++image) {
     MaskPair pair = Drive::pair(image, image + 1);
+    pair.wants_motion_depth = wants_motion_depth;
     pair.motion_uncertainty = {1e-3, 1e-3, 1e-3, 1e-5, 1e-5};
     pair.depth = 2.0 * pair.depth;
     pair.depth_std = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(0.5));
@@ -174,9 +172,30 @@ TEST(MaskPipeline, FollowsDepthWhereNothingSpeaksForAMover) {
     back.fb_error = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(0.1));
     pipeline.addBackward(kStep * (image + 1), kStep * image, back);
   }
+  return outcome;
+}
+
+TEST(MaskPipeline, FollowsDepthWhereNothingSpeaksForAMover) {
+  MaskPipelineParams params = Drive::params();
+  params.motion_depth = true;
+  params.use_depth_uncertainty = true;
+  const MaskOutcome outcome = withDepthTwiceAsFar(params, false);
   EXPECT_NEAR(outcome.input.depth.at<float>(20, 130), 14.0F, 0.7F);
   EXPECT_LT(outcome.input.depth_std.at<float>(20, 130), 0.2F);
   EXPECT_NEAR(outcome.input.depth.at<float>(65, 26), 28.0F, 1e-3F) << "in the footprint of a dynamic return";
+}
+
+TEST(MaskPipeline, TellsTheDepthFromMotionThatMasksDoNotUse) {
+  MaskPipelineParams params = Drive::params();
+  params.use_depth_uncertainty = true;
+  EXPECT_FALSE(withDepthTwiceAsFar(params, false).motion_depth);
+  const MaskOutcome outcome = withDepthTwiceAsFar(params, true);
+  ASSERT_TRUE(outcome.motion_depth);
+  for (const cv::Point& pixel : {cv::Point(130, 20), cv::Point(26, 65)}) {
+    EXPECT_NEAR(outcome.motion_depth->depth.at<float>(pixel), 14.0F, 0.7F);
+    EXPECT_NEAR(outcome.input.depth.at<float>(pixel), 28.0F, 1e-3F);
+  }
+  EXPECT_LT(outcome.motion_depth->relative_std.at<float>(20, 130), 0.2F);
 }
 
 // Flow from the later image to the earlier leads to the previous mask by itself.

@@ -11,6 +11,7 @@
 
 #include "fixtures/camera_mount.h"
 #include "fixtures/refusal.h"
+#include "radar_dot/common/base_motion.h"
 #include "radar_dot/vision/depth_estimator.h"
 #include "radar_dot/vision/rigid_motion.h"
 
@@ -109,6 +110,37 @@ TEST(RefineMotion, WhatIsExactStays) {
   EXPECT_LT(refined.correction.tail<5>().norm(), 1e-4);
   input.motion_covariance.setZero();
   EXPECT_LT(refineMotion(input).correction.norm(), 1e-4);
+}
+
+// By 40 of its standard deviations: a gyroscope that has failed, or a twist of another time.
+TEST(RefineMotion, AYawRateThatTheImageContradictsGivesWay) {
+  constexpr double kInterval = 0.1, kYawRate = 0.24;  // s, rad/s
+  const auto motion = [](double yaw_rate) {
+    return staticPointMotion(mount(), baseMotion({10.0, 0.0, 0.0}, {0.0, 0.0, yaw_rate}, kInterval));
+  };
+  for (const double given : {0.0, kYawRate}) {
+    MotionInput input = street(motion(kYawRate), flat());
+    for (int v = 80; v < 140; ++v)
+      for (int u = 40; u < 200; ++u) input.flow.at<cv::Vec2f>(v, u) += cv::Vec2f(12.0F, 3.0F);
+    input.T_current_from_previous = motion(given);
+    input.motion_covariance = cameraCovariance(mount().inverse(), baseMotionCovariance({}, kInterval));
+    const RefinedMotion refined = refineMotion(input);
+    const Vector6 error = errorOf(refined, motion(kYawRate));
+    EXPECT_LT(error.head<3>().norm() / kInterval, 0.01) << given;
+    EXPECT_LT(error.tail<3>().norm() / kInterval, 0.1) << given;  // the camera moves sideways as it turns
+  }
+}
+
+// Whatever fills the image, as a lorry that passes at a red light.
+TEST(RefineMotion, AVehicleThatStandsDoesNotTurn) {
+  const Eigen::Isometry3d standing = Eigen::Isometry3d::Identity();
+  MotionInput input = street(standing, flat());
+  input.flow(cv::Rect(0, 0, 280, kCamera.height)) += cv::Scalar(8.0, 0.0);  // seven tenths
+  input.T_current_from_previous = standing;
+  constexpr double kInterval = 0.1;
+  const MotionUncertainty uncertainty;
+  input.motion_covariance = cameraCovariance(mount().inverse(), baseMotionCovariance(uncertainty, kInterval));
+  EXPECT_LT(std::abs(refineMotion(input).correction[1]), 10.0 * uncertainty.yaw_rate_std * kInterval);
 }
 
 TEST(RefineMotion, NoiseStaysWithinTheCovarianceItGives) {

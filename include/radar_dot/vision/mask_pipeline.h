@@ -60,12 +60,15 @@ struct MaskPair {
   Eigen::Isometry3d T_first_from_second = Eigen::Isometry3d::Identity();  ///< of the base
   MotionUncertainty motion_uncertainty;                                   ///< of that motion
   std::vector<CloudPoint> dynamic_points, static_points;  ///< radar returns, base frame at first_time
+  bool wants_motion_depth = false;  ///< MaskOutcome::motion_depth, also where masks do not follow depth
 };
 
 /// What came of a pair.
 struct MaskOutcome {
   MotionInput input;  ///< as it was scored: refined motion and depth
   MotionResult result;
+  /// At the first image, from input.depth on as it was before: with motion_depth, or where it is wanted.
+  std::optional<MotionDepthResult> motion_depth;
   bool looked_back = false;         ///< the previous pair took part
   double refinement_seconds = 0.0;  ///< that the refinement took
 };
@@ -80,7 +83,8 @@ class MaskPipeline {
   void configure(const MaskPipelineParams& params);
   const MaskPipelineParams& params() const noexcept { return params_; }
 
-  /// Flow from the second image of a pair to its first, which look_back and memory of the next pair need.
+  /// Flow from the second image of a pair to its first, which look_back, memory and motion depth of the next
+  /// pair need.
   /// Copied. @param from, to  s, times of its images
   void addBackward(double from, double to, const FlowField& flow);
   /// The mask of a pair. Pairs come in the order of time.
@@ -104,8 +108,9 @@ class MaskPipeline {
   void refine(MotionInput& input) const;
   const FlowField* backwardTo(const MaskPair& pair) const;
   cv::Mat beliefFor(const MaskPair& pair, const FlowField* backward) const;
-  void followDepth(const MaskPair& pair, const FlowField* backward, const cv::Mat& belief,
-                   MotionInput& input);
+  cv::Mat priorStd(const MotionInput& input) const;
+  MotionDepthResult followDepth(const MaskPair& pair, const FlowField* backward, const MotionInput& input);
+  void takeDepth(const MotionDepthResult& followed, MotionInput& input) const;
   void remember(const MaskPair& pair, const MaskOutcome& outcome);
 
   MaskPipelineParams params_;
