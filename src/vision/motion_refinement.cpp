@@ -33,6 +33,7 @@ constexpr double kMedianOfChiSquare = 1.3863;  // 2 degrees of freedom
 constexpr double kExact = 1e-12;               // variances that stand for zero: a prior that holds
 constexpr double kNegligible = 1e-4;           // change of the unknowns, squared, in units of their sigma
 constexpr double kCredible = 11.34;            // squared sigmas that one of a hundred rotations exceeds
+constexpr double kImpossible = 25.0;           // squared sigmas that no rotation has
 constexpr double kTightestTurn = 4.0;          // m, radius
 
 struct Pixel {
@@ -63,7 +64,9 @@ class Refiner {
       height_ = ground->params.height;
     }
     prior_information_ = prior.llt().solve(Matrix8::Identity());
-    setUpRotation();
+    const Eigen::Matrix3d rotation = input.motion_covariance.topLeftCorner<3, 3>();
+    if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(rotation).eigenvalues()[0] > kExact)
+      rotation_information_ = rotation.inverse();
     collect();
   }
 
@@ -75,6 +78,7 @@ class Refiner {
     refined.pixels = pixels_.size();
     if (pixels_.size() < kLeastPixels) return refined;
     for (int i = 0; i < params_.iterations && step() > kNegligible; ++i) continue;
+    if (!isPossible()) return refined;
     refined.T_current_from_previous = motion_;
     refined.correction = total_.head<6>();
     const Matrix8 covariance = information_.llt().solve(Matrix8::Identity());
@@ -91,8 +95,8 @@ class Refiner {
   }
 
  private:
-  void setUpRotation();
   double rotationWeight() const;
+  bool isPossible() const;
   void collect();
   bool residual(const Pixel& pixel, Eigen::Vector2d& r, Eigen::Matrix2d& information,
                 Jacobian& jacobian) const;
@@ -108,7 +112,6 @@ class Refiner {
   std::vector<Pixel> pixels_;
   Matrix8 prior_information_, information_;
   Eigen::Matrix3d rotation_information_ = Eigen::Matrix3d::Zero();  // of the prior; zero: it holds
-  double least_rotation_weight_ = 1.0;
   Vector8 total_ = Vector8::Zero();
 
   // Of one step, kept for their memory.
@@ -122,21 +125,20 @@ class Refiner {
   std::vector<double> distances_;
 };
 
-void Refiner::setUpRotation() {
-  const Eigen::Matrix3d covariance = input_.motion_covariance.topLeftCorner<3, 3>();
-  const double smallest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()[0];
-  if (!(smallest > kExact)) return;
-  rotation_information_ = covariance.inverse();
-  const double largest_turn = motion_.translation().norm() / kTightestTurn;
-  least_rotation_weight_ = 1.0 / (1.0 + largest_turn * largest_turn / smallest);
-}
-
-/// A rotation that the image contradicts, wrong or late, loses its weight as pixels do. But a vehicle that
-/// stands does not turn, whatever fills its image: no more than its way allows.
+/// A rotation that the image contradicts, wrong or late, loses its weight as pixels do.
 double Refiner::rotationWeight() const {
   const Eigen::Vector3d omega = total_.head<3>();
   const double closeness = 1.0 / (1.0 + omega.dot(rotation_information_ * omega) / kCredible);
-  return std::max(least_rotation_weight_, closeness * closeness);
+  return closeness * closeness;
+}
+
+/// A vehicle that stands does not turn, whatever fills its image: a lorry that passes.
+bool Refiner::isPossible() const {
+  const double turn = input_.T_current_from_previous.translation().norm() / kTightestTurn;
+  Eigen::Matrix3d spread = input_.motion_covariance.topLeftCorner<3, 3>();
+  spread.diagonal().array() += turn * turn + kExact;
+  const Eigen::Vector3d omega = total_.head<3>();
+  return omega.dot(spread.llt().solve(omega)) < kImpossible;
 }
 
 void Refiner::collect() {

@@ -83,8 +83,10 @@ struct RefinedMotion {
 ///     sum_i rho(r_i^T Sigma_i^-1 r_i) + (omega, tau)^T Sigma_motion^-1 (omega, tau) + priors of the ground
 /// by Gauss-Newton with Geman and McClure's weights; r_i and Sigma_i (of flow and inverse depth) as in
 /// uncertainty_terms.h. A direction whose variance in motion_covariance is zero does not change.
-/// The prior of the rotation has such a weight as well, so that one that is wrong or late gives way, as far as
-/// a vehicle can turn on its way (a radius of 4 m). Where its variance is zero in any direction, it holds.
+/// The prior of the rotation has such a weight as well, so that one that is wrong or late gives way; where its
+/// variance is zero in any direction, it holds. A rotation of more than five of its sigmas and what a vehicle
+/// can turn on its way (a radius of 4 m) is not its own: something fills the image, and the motion is the one
+/// given.
 /// @param ground  the plane that was drawn into the depth; pixels whose depth differs from it by more than
 ///                1 % are not ground
 /// @throws std::invalid_argument for images of other types or sizes than the camera's grid; InvalidParameter.
