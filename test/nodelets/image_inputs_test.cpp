@@ -321,6 +321,7 @@ TEST_F(ImageInputs, BackendsAreExchangedLive) {
             "radar_ground");
   EXPECT_TRUE(waitUntil([&] { return std::abs(depthAt(*depths.latest(), 40, 40) - 7.5F) > 0.5F; }));
   EXPECT_EQ(reconfigure("topic_depth", {{"depth_backend", "topic"}}).at("depth_backend"), "topic");
+  EXPECT_TRUE(reconfigure("topic_depth", {{"depth_backend", "motion"}}).empty()) << "flow waits for depth";
   EXPECT_TRUE(waitUntil([&] { return std::abs(depthAt(*depths.latest(), 40, 40) - 7.5F) < 1e-3F; }));
 }
 
