@@ -53,7 +53,7 @@ class DynamicSegmentationNodelet : public ConfiguredNodelet<DynamicSegmentationC
   void addRadarPoints(Inputs& inputs);
   void segment(const Inputs& inputs);
   void publish(const Inputs& inputs, const MaskOutcome& outcome);
-  void compareYawRates(const Inputs& inputs, const StampedTwist& refined);
+  void compareYawRates(const Inputs& inputs, const StampedTwist& refined, double weight);
   void drop(const std::string& reason);
 
   MaskPipeline pipeline_;

@@ -51,7 +51,8 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MaskOutcome
   if (inputs.pair.wants_motion_depth && outcome.motion_depth) {
     // Where something moves, the given depth is the better one.
     const MotionDepthResult& depth = *outcome.motion_depth;
-    const cv::Mat refused = depth.origin == static_cast<int>(DepthOrigin::kRefused);
+    const cv::Mat refused =
+        (depth.origin == static_cast<int>(DepthOrigin::kRefused)) | (depth.depth > config_.motion.max_depth);
     const auto publish_depth = [&](const ros::Publisher& publisher, const cv::Mat& values) {
       if (publisher.getNumSubscribers() == 0) return;
       cv::Mat shown = values.clone();
@@ -64,7 +65,7 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MaskOutcome
   yaw_rates_.expire(std::max(inputs.pair.first_time, inputs.pair.second_time));
   if (config_.refine) {
     const StampedTwist velocity = refinedVelocity(inputs.pair, input);
-    compareYawRates(inputs, velocity);
+    compareYawRates(inputs, velocity, outcome.rotation_weight);
     std_msgs::Header refined;
     refined.stamp = std::max(header.stamp, inputs.messages.flow->second_stamp);
     refined.frame_id = extrinsics_->baseFrame();
@@ -83,12 +84,14 @@ void DynamicSegmentationNodelet::publish(const Inputs& inputs, const MaskOutcome
 }
 
 /// The yaw rate of the image alone: the refined one has that of the twists in it, as much as it is trusted.
-void DynamicSegmentationNodelet::compareYawRates(const Inputs& inputs, const StampedTwist& refined) {
+/// @param weight  of the twists' rotation in the refined one
+void DynamicSegmentationNodelet::compareYawRates(const Inputs& inputs, const StampedTwist& refined,
+                                                 double weight) {
   if (motion_->hasRotation() && !inputs.without_rotation) return;
   const MaskPair& pair = inputs.pair;
   const double given = baseVelocity(pair.T_first_from_second, pair.second_time - pair.first_time).angular.z();
   const double variance = pair.motion_uncertainty.yaw_rate_std * pair.motion_uncertainty.yaw_rate_std;
-  const double gain = 1.0 - refined.covariance(5, 5) / variance;
+  const double gain = 1.0 - weight * refined.covariance(5, 5) / variance;
   if (!(gain > kLeastGain)) return;
   const double image = given + (refined.angular.z() - given) / gain;
   yaw_rates_.add(refined.time, given, std::sqrt(variance / gain), image);

@@ -153,7 +153,7 @@ MotionInput MaskPipeline::inputOf(const MaskPair& pair) const {
   input.next_depth = pair.next_depth;
   if (params_.refine_ground) input.ground = GroundPlane{pair.T_base_from_camera, params_.ground};
   if (params_.usesDepthUncertainty()) input.depth_std = pair.depth_std;
-  if (params_.byUncertainty() || params_.refine) {
+  if (params_.byUncertainty() || params_.refine || pair.wants_motion_depth) {
     const double dt = std::abs(pair.second_time - pair.first_time);
     input.motion_covariance =
         cameraCovariance(pair.T_base_from_camera, baseMotionCovariance(pair.motion_uncertainty, dt));
@@ -186,9 +186,10 @@ const cv::Mat& MaskPipeline::ignoredOn(const cv::Size& grid) {
 }
 
 /// Motion, its covariance, and where depth shows the ground, both depths, by the image.
-void MaskPipeline::refine(MotionInput& input) const {
-  refineInput(input, input.ground, params_.motion.max_depth, params_.motion.uncertainty.noise,
-              params_.refinement);
+/// @return RefinedMotion::rotation_weight
+double MaskPipeline::refine(MotionInput& input) const {
+  return refineInput(input, input.ground, params_.motion.max_depth, params_.motion.uncertainty.noise,
+                     params_.refinement);
 }
 
 /// From the first image of a pair to that of the previous one; null where there is none.
@@ -233,7 +234,12 @@ MotionDepthResult MaskPipeline::followDepth(const MaskPair& pair, const FlowFiel
         MotionDepthInput::Step{previous_->first_time, previous_->input.T_current_from_previous,
                                previous_->input.motion_covariance, backward->flow, backward->fb_error};
   }
-  return depth_.update(seen);
+  MotionDepthResult followed = depth_.update(seen);
+  if (ignored_on_grid_.empty()) return followed;
+  followed.origin.setTo(static_cast<int>(DepthOrigin::kPrior), ignored_on_grid_);
+  followed.depth.setTo(kUnknown, ignored_on_grid_);
+  followed.relative_std.setTo(kUnknown, ignored_on_grid_);
+  return followed;
 }
 
 /// Takes the followed depth where it was measured, and neither radar nor an earlier mask speaks for a mover:
@@ -271,7 +277,7 @@ MaskOutcome MaskPipeline::process(const MaskPair& pair) {
   input = inputOf(pair);
   if (params_.refine) {
     const auto begin = std::chrono::steady_clock::now();
-    refine(input);
+    outcome.rotation_weight = refine(input);
     outcome.refinement_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }

@@ -63,10 +63,10 @@ class Refiner {
       slope_ = std::tan(ground->params.pitch);
       height_ = ground->params.height;
     }
-    prior_information_ = prior.llt().solve(Matrix8::Identity());
+    prior_information_ = information_ = prior.llt().solve(Matrix8::Identity());
     const Eigen::Matrix3d rotation = input.motion_covariance.topLeftCorner<3, 3>();
     if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(rotation).eigenvalues()[0] > kExact)
-      rotation_information_ = rotation.inverse();
+      rotation_information_ = (rotation + kExact * Eigen::Matrix3d::Identity()).inverse();
     collect();
   }
 
@@ -81,6 +81,7 @@ class Refiner {
     if (!isPossible()) return refined;
     refined.T_current_from_previous = motion_;
     refined.correction = total_.head<6>();
+    refined.rotation_weight = rotationWeight();
     const Matrix8 covariance = information_.llt().solve(Matrix8::Identity());
     refined.covariance = covariance.topLeftCorner<6, 6>();
     if (ground_) {
@@ -132,13 +133,17 @@ double Refiner::rotationWeight() const {
   return closeness * closeness;
 }
 
-/// A vehicle that stands does not turn, whatever fills its image: a lorry that passes.
+/// A vehicle that stands does not turn, whatever fills its image: a lorry that passes. But it may be told
+/// that it turns, and not do so.
 bool Refiner::isPossible() const {
   const double turn = input_.T_current_from_previous.translation().norm() / kTightestTurn;
   Eigen::Matrix3d spread = input_.motion_covariance.topLeftCorner<3, 3>();
-  spread.diagonal().array() += turn * turn + kExact;
-  const Eigen::Vector3d omega = total_.head<3>();
-  return omega.dot(spread.llt().solve(omega)) < kImpossible;
+  spread.diagonal().array() += turn * turn / kImpossible + kExact;
+  const auto is_possible = [llt = spread.llt()](const Eigen::Vector3d& omega) {
+    return omega.dot(llt.solve(omega)) < kImpossible;
+  };
+  const Eigen::AngleAxisd whole(motion_.linear());
+  return is_possible(total_.head<3>()) || is_possible(whole.angle() * whole.axis());
 }
 
 void Refiner::collect() {
@@ -341,16 +346,16 @@ cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, cons
                     groundRelativeStd(camera, drawn.T_base_from_camera, refined.ground->params));
 }
 
-void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, double max_depth,
-                 const FlowDepthNoise& noise, const RefinementParams& params) {
+double refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, double max_depth,
+                   const FlowDepthNoise& noise, const RefinementParams& params) {
   const RefinedMotion refined = refineMotion(input, ground, noise, params);
   input.T_current_from_previous = refined.T_current_from_previous;
   input.motion_covariance = refined.covariance;
-  if (!ground) return;
+  if (!ground) return refined.rotation_weight;
   if (!input.depth_std.empty())
     input.depth_std = replaceGroundStd(input.depth_std, input.depth, input.camera, *ground, refined);
   input.depth = replaceGroundDepth(input.depth, input.camera, *ground, *refined.ground, max_depth);
-  if (input.next_depth.empty()) return;
+  if (input.next_depth.empty()) return refined.rotation_weight;
   // The backend draws the same plane in the base frame of both images. The ground does not turn with the
   // base: at t it is the plane found at t-1, seen from a base that has turned and stands on it as before.
   const Eigen::Isometry3d& mount = ground->T_base_from_camera;
@@ -358,6 +363,7 @@ void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, d
   turned.linear() = (mount * input.T_current_from_previous.inverse() * mount.inverse()).linear();
   const GroundPlane next{turned * mount, refined.ground->params};
   input.next_depth = replaceGroundDepth(input.next_depth, input.camera, *ground, next, max_depth);
+  return refined.rotation_weight;
 }
 
 }  // namespace radar_dot

@@ -140,6 +140,12 @@ TEST(RefineMotion, AVehicleThatStandsDoesNotTurn) {
   constexpr double kInterval = 0.1;
   input.motion_covariance = cameraCovariance(mount(), baseMotionCovariance({}, kInterval));
   EXPECT_TRUE(refineMotion(input).T_current_from_previous.isApprox(standing));
+  // Nor when a yaw rate says so, by 40 of its standard deviations.
+  input = street(standing, flat());
+  input.motion_covariance = cameraCovariance(mount(), baseMotionCovariance({}, kInterval));
+  input.T_current_from_previous.linear() =
+      Eigen::AngleAxisd(0.024, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  EXPECT_LT(errorOf(refineMotion(input), standing).head<3>().norm(), 1e-3);
 }
 
 TEST(RefineMotion, NoiseStaysWithinTheCovarianceItGives) {

@@ -71,6 +71,7 @@ struct MaskOutcome {
   std::optional<MotionDepthResult> motion_depth;
   bool looked_back = false;         ///< the previous pair took part
   double refinement_seconds = 0.0;  ///< that the refinement took
+  double rotation_weight = 1.0;     ///< RefinedMotion::rotation_weight
 };
 
 /// Dynamic masks of a stream of image pairs: uncertainty of the motion, refinement by the image, radar
@@ -105,7 +106,7 @@ class MaskPipeline {
   };
   MotionInput inputOf(const MaskPair& pair) const;
   const cv::Mat& ignoredOn(const cv::Size& grid);
-  void refine(MotionInput& input) const;
+  double refine(MotionInput& input) const;
   const FlowField* backwardTo(const MaskPair& pair) const;
   cv::Mat beliefFor(const MaskPair& pair, const FlowField* backward) const;
   cv::Mat priorStd(const MotionInput& input) const;

@@ -71,6 +71,7 @@ struct RefinedMotion {
   /// (omega, tau) after the motion given, rad and m, camera frame at t
   Eigen::Matrix<double, 6, 1> correction = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of the refined motion
+  double rotation_weight = 1.0;       ///< of the prior of the rotation: less where the image contradicts it
   std::optional<GroundPlane> ground;  ///< refined, with its uncertainty, where one was given
   std::size_t pixels = 0;             ///< that were looked at; fewer than 50: the motion is the one given
 };
@@ -80,13 +81,14 @@ struct RefinedMotion {
 ///
 /// Minimises, over a small motion (omega, tau) after the given one and, where the ground is given, its pitch
 /// and height,
-///     sum_i rho(r_i^T Sigma_i^-1 r_i) + (omega, tau)^T Sigma_motion^-1 (omega, tau) + priors of the ground
+///     sum_i rho(r_i^T Sigma_i^-1 r_i) + rho(omega^T Sigma_omega^-1 omega)
+///         + (tau given omega)^T Sigma_tau|omega^-1 (tau given omega) + priors of the ground
 /// by Gauss-Newton with Geman and McClure's weights; r_i and Sigma_i (of flow and inverse depth) as in
 /// uncertainty_terms.h. A direction whose variance in motion_covariance is zero does not change.
-/// The prior of the rotation has such a weight as well, so that one that is wrong or late gives way; where its
-/// variance is zero in any direction, it holds. A rotation of more than five of its sigmas and what a vehicle
-/// can turn on its way (a radius of 4 m) is not its own: something fills the image, and the motion is the one
-/// given.
+/// The prior of the rotation has such a weight (rho) as well, so that one that is wrong or late gives way;
+/// where its variance is zero in any direction, it holds. A rotation beyond five of its sigmas and what a
+/// vehicle can turn on its way (a radius of 4 m), which the given one was not, is not its own: something
+/// fills the image, and the motion is the one given.
 /// @param ground  the plane that was drawn into the depth; pixels whose depth differs from it by more than
 ///                1 % are not ground
 /// @throws std::invalid_argument for images of other types or sizes than the camera's grid; InvalidParameter.
@@ -106,7 +108,8 @@ cv::Mat replaceGroundStd(const cv::Mat& relative_std, const cv::Mat& depth, cons
 /// A pair with its motion refined (refineMotion): motion, covariance, and where the ground is given, both
 /// depths and their uncertainty; the ground turns with the motion from t-1 to t.
 /// @param max_depth  m, ground farther than this is unknown
-void refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, double max_depth,
-                 const FlowDepthNoise& noise = {}, const RefinementParams& params = {});
+/// @return RefinedMotion::rotation_weight
+double refineInput(MotionInput& input, const std::optional<GroundPlane>& ground, double max_depth,
+                   const FlowDepthNoise& noise = {}, const RefinementParams& params = {});
 
 }  // namespace radar_dot
