@@ -139,8 +139,8 @@ TEST_F(SegmentationEvaluation, LookingBackFindsMoreMovers) {
   EXPECT_EQ(evaluate(options).pixels.true_positives, first);
   options.pairs.max_pairs = 0;
   options.segmentation.memory = 0.4;
-  // What memory gains, it gains at the rate of the camera; half a second apart it may go either way, by how the
-  // processor draws the scene: 0.152 instead of 0.137, and 0.126 instead of 0.127.
+  // What memory gains, it gains at the rate of the camera; half a second apart it may go either way, by how
+  // the processor draws the scene: 0.152 instead of 0.137, and 0.126 instead of 0.127.
   const SegmentationReport remembered = evaluate(options);
   EXPECT_NE(remembered.pixels.true_positives, plain.pixels.true_positives);
   EXPECT_GT(remembered.iou(), 0.9 * plain.iou());
