@@ -142,8 +142,8 @@ TEST_F(SegmentationEvaluation, LookingBackFindsMoreMovers) {
   // What memory gains, it gains at the rate of the camera; half a second apart it may go either way, by how
   // the processor draws the scene: 0.152 instead of 0.137, and 0.126 instead of 0.127.
   const SegmentationReport remembered = evaluate(options);
-  EXPECT_NE(remembered.pixels.true_positives, plain.pixels.true_positives);
-  EXPECT_GT(remembered.iou(), 0.9 * plain.iou());
+  EXPECT_GT(remembered.pixels.true_positives, plain.pixels.true_positives);
+  EXPECT_GT(remembered.iou(), 0.97 * plain.iou());
   // With pairs of neighbouring images the one before a pair is no part of another.
   options = {};
   options.depth.depth.backend = "noisy";
